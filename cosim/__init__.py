@@ -8,8 +8,10 @@
 >>> result["drive.v"]
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from stickslip.cosim.component import Component
-from stickslip.cosim.container import write_fmu
 from stickslip.cosim.errors import (
     ConnectionFault,
     CosimError,
@@ -28,7 +30,6 @@ from stickslip.cosim.run.result import Result
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.signals import Signal, SineSweep, Table, Trapezoid
 from stickslip.cosim.signals.tables import read_tables, signals_of
-from stickslip.cosim.ssp import read_ssp, variants, write_ssp
 from stickslip.cosim.system.scaling import Link, Scaling
 from stickslip.cosim.system.settings import (
     Adaptive,
@@ -41,6 +42,10 @@ from stickslip.cosim.system.system import Specification, System
 from stickslip.fmi.description.model import DefaultExperiment
 from stickslip.fmi.description.units import Unit
 from stickslip.fmi.description.variables import Variable
+
+if TYPE_CHECKING:  # loaded when they are first used, for those who start quickly
+    from stickslip.cosim.container import write_fmu
+    from stickslip.cosim.ssp import read_ssp, variants, write_ssp
 
 __all__ = [
     "Adaptive",
@@ -81,3 +86,13 @@ __all__ = [
     "write_fmu",
     "write_ssp",
 ]
+
+_LATE = {"write_fmu": "container"} | dict.fromkeys(("read_ssp", "variants", "write_ssp"), "ssp")
+
+
+def __getattr__(name: str) -> object:
+    """Import what packs systems and reads packages when it is first used."""
+    if name not in _LATE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = globals()[name] = getattr(import_module(f"{__name__}.{_LATE[name]}"), name)
+    return value

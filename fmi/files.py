@@ -58,12 +58,23 @@ def atomic_write(path: Path, content: bytes | str | Iterable[bytes | str]) -> Pa
     error names ``path``.
     """
     parts = [content] if isinstance(content, bytes | str) else content
+    with atomic_file(path) as file:
+        file.writelines(one.encode() if isinstance(one, str) else one for one in parts)
+    return path
+
+
+@contextmanager
+def atomic_file(path: Path) -> Iterator[BinaryIO]:
+    """Open a file that gets its name when the block has ended without an error, see atomic_write.
+
+    Errors of the block that name another file stay as they are.
+    """
     require_regular_file(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     _sweep(path.parent)
     try:
         with _beside(path.parent) as (file, temporary):
-            file.writelines(one.encode() if isinstance(one, str) else one for one in parts)
+            yield file
             file.flush()
             os.fsync(file.fileno())
             if sys.platform == "win32":
@@ -71,8 +82,10 @@ def atomic_write(path: Path, content: bytes | str | Iterable[bytes | str]) -> Pa
             temporary.replace(path)
         sync_folder(path.parent)
     except OSError as fault:
-        raise OSError(fault.errno, fault.strerror, str(path)) from fault
-    return path
+        name = Path(fault.filename or path)
+        if name in {path, path.parent} or _TEMPORARY.fullmatch(name.name):
+            raise OSError(fault.errno, fault.strerror, str(path)) from fault
+        raise
 
 
 def require_regular_file(path: Path) -> None:

@@ -14,7 +14,6 @@ from stickslip import cosim
 from stickslip.cosim import ParameterError, Table
 from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.signals.tables import Inputs
-from stickslip.cosim.ssp.structure import Package
 from stickslip.errors import UsageError, number
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write
@@ -46,6 +45,8 @@ def packed_input(package: Path) -> dict[str, Table]:
 
     Raises SignalError when they cannot be read, or SspError when the package cannot be.
     """
+    from stickslip.cosim.ssp.structure import Package  # late, for runs of one FMU
+
     file = Package.open(package).folder / MEMBER
     return Table.all_from_csv(file) if file.is_file() else {}
 

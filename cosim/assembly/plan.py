@@ -160,6 +160,7 @@ def _recordable(system: System, name: str) -> list[str]:
 MAX_STEPS = 10**10
 _SHARE = 0.8  # of a machine's memory that a run may take
 _NUMBER = 8  # bytes
+_PART = 2**16  # numbers of a result that are handed on together
 
 
 class Plan:
@@ -203,19 +204,30 @@ class Plan:
     @property
     def rows(self) -> int:
         """How many rows a result may have; an FMU that ends a run adds one."""
-        few = {"last": 1, "range": 3}
+        few = {"last": 1, "range": max(3, self.part + 1)}
         return few.get(self.record.keep, self.n_steps // self.record.every + 2)
+
+    @property
+    def part(self) -> int:
+        """How many points a part of a result has that is handed on as the run goes."""
+        return min(
+            self.n_steps // self.record.every + 1, -(-_PART // (1 + len(self.layout.recorded)))
+        )
 
     def step_at(self, until: float | None) -> int:
         """Return the number of the step that ends at a time (s), by default of the last."""
         if until is None:
             return self.n_steps
-        steps = (until - self.spec.start) / self.spec.step
-        n = round(steps) if math.isfinite(steps) else 0
+        n = self.step_near(until)
         t = self.spec.start + n * self.spec.step
         if not 0 < n <= self.n_steps or abs(t - until) > slack(until, self.spec.step):
             raise ExperimentError(f"until = {until} s is not a point in time of the run")
         return n
+
+    def step_near(self, time: float) -> int:
+        """Return the number of the step that ends next to a time (s)."""
+        steps = (time - self.spec.start) / self.spec.step
+        return round(steps) if math.isfinite(steps) else 0
 
     def start_values(self, parameters: Mapping[str, object]) -> dict[str, Value]:
         """Return the start values of a run, with those that it sets itself."""

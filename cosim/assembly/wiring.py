@@ -271,6 +271,20 @@ class Memory:
             self._record = room((self._rows_kept, self._recorded))
             run.record = structures.doubles(self._record)
         run.ranged = 0 if self._keep == "range" else -1
+        self._begin = 0
+
+    def prepare_part(self, first: int) -> int:
+        """Record all points from a step on instead of their range; return the last with room."""
+        run, begin = self._run, -(-first // self._every)
+        if run.ranged >= 0:
+            self._record = self._room((self._plan.part, self._recorded))
+            run.ranged = -1
+        self._begin = begin  # the kernel counts from the first point of the run
+        place = self._record.ctypes.data - begin * self._recorded * self._record.itemsize
+        run.record = ctypes.cast(place, type(run.record))
+        if run.done == first == begin * self._every:  # a run that is resumed
+            self._record[0] = self.last()
+        return (begin + self._plan.part) * self._every - 1
 
     def prepare_steps(self, inputs: Array) -> None:
         """Make room for steps of which nothing is kept, with the exposed inputs (n,) at first."""
@@ -327,7 +341,7 @@ class Memory:
         points = end - begin + further
         if self._keep == "last":
             return self._plan.at(np.array([float(last)])), self.last()[None], 1
-        if self._keep == "range":
+        if self._run.ranged >= 0:
             values = self._record[: 3 * (end - begin)]
             if further:
                 values = np.vstack([values, self.last()])
@@ -335,8 +349,13 @@ class Memory:
             ends = [begin * every if begin < end else last, last if further else (end - 1) * every]
             time = self._plan.at(np.array(ends, dtype=np.float64))[[0, 1, 1][: len(values)]]
             return time, values, points
-        time = self._plan.time[begin * every : last + 1 : every]
-        values = (self._rows if self._whole else self._record)[begin:end]
+        if self._keep == "range":
+            time = self._plan.at(np.arange(begin * every, last + 1, every, dtype=np.float64))
+        else:
+            time = self._plan.time[begin * every : last + 1 : every]
+        values = (self._rows if self._whole else self._record)[
+            begin - self._begin : end - self._begin
+        ]
         if further:
             time = np.append(time, self._plan.at(last))
             values = np.vstack([values, self.last()])

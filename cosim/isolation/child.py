@@ -50,10 +50,10 @@ def main(name: str, size: int, token: bytes) -> None:
         sandbox.enter(**order["sandbox"])
     threading.Thread(target=_watch, args=(requests,), daemon=True).start()
     reply()
-    served = _Served(order["specification"], shared, reply)
+    served = _Served(order["specification"], shared, reply, lambda: _receive(requests, token))
     what = ""
     while what != "close":
-        what, arguments = _receive(requests, token)
+        what, arguments = served.receive()
         served.do(what, arguments)
     if sys.platform != "win32":
         ctypes.CDLL(None).exit(0)  # libraries end as in any process, and keep what they still use
@@ -79,8 +79,15 @@ class _Kept(logging.Handler):
 
 
 class _Served:
-    def __init__(self, specification: Any, shared: Shared, reply: Callable[..., None]) -> None:
+    def __init__(
+        self,
+        specification: Any,
+        shared: Shared,
+        reply: Callable[..., None],
+        receive: Callable[[], Any],
+    ) -> None:
         self._specification, self._shared, self._reply = specification, shared, reply
+        self.receive = receive
         self._simulation: Simulation | None = None
         self._logged = _Kept()
         logging.getLogger("stickslip.cosim").addHandler(self._logged)
@@ -130,10 +137,20 @@ class _Served:
     def _room(self, shape: tuple[int, int]) -> Array:
         return self._shared.numbers[: shape[0] * shape[1]].reshape(shape)
 
-    def run(self, how: str, progress: bool, **arguments: Any) -> dict[str, object]:
+    def run(self, how: str, progress: bool, parts: bool, **arguments: Any) -> dict[str, object]:
         simulation = self._prepared
         report = (lambda t: self._reply(progress=t)) if progress else None
-        result: Result = getattr(simulation, how)(**arguments, progress=report)
+        hand = self._hand if parts else None
+        result = getattr(simulation, how)(**arguments, progress=report, out=hand)
+        return self._put(result) | {"effort": dict(simulation.effort)}
+
+    def _hand(self, part: Result) -> None:
+        """Let the parent take a part of the result before the next one comes into its place."""
+        self._reply(part=self._put(part))
+        self.receive()
+
+    def _put(self, result: Result) -> dict[str, object]:
+        """Put a result where the parent finds it; return what it needs to know."""
         place = self._room(result.rows.shape)
         if place.ctypes.data != result.rows.ctypes.data or not result.rows.flags.c_contiguous:
             place[:] = result.rows.copy()
@@ -143,7 +160,6 @@ class _Served:
             "times": (result.time if len(result.time) <= _FEW else result.time[[0, -1]]).tolist(),
             "stopped": result.stopped,
             "texts": result.changes,
-            "effort": dict(simulation.effort),
         }
 
 

@@ -18,7 +18,7 @@ import tempfile
 import threading
 import time
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from queue import Empty, SimpleQueue
@@ -276,15 +276,15 @@ def pack(specification: Specification, **more: object) -> bytes:
     return stream.getvalue()
 
 
-def portable_inputs(inputs: Mapping[str, Input], time: Array) -> dict[str, Input]:
+def portable_inputs(inputs: Mapping[str, Input], time: Callable[[], Array]) -> dict[str, Input]:
     """Return inputs that another process understands: our signals as they are, others sampled."""
     return {name: _portable(name, signal, time) for name, signal in inputs.items()}
 
 
-def _portable(name: str, signal: Input, time: Array) -> Input:
+def _portable(name: str, signal: Input, time: Callable[[], Array]) -> Input:
     ours = type(signal).__module__ == "stickslip.cosim.signals.signals"
     plain = isinstance(signal, int | float | np.ndarray)
-    return signal if ours or plain else sampled(name, signal, time)
+    return signal if ours or plain else sampled(name, signal, time())
 
 
 _UNTIMED = ("load", "unload", "Instantiate", "FreeInstance")  # calls at no simulated time

@@ -190,19 +190,24 @@ class Process:
         what: str,
         arguments: Mapping[str, object],
         progress: Callable[[float], object] | None = None,
+        take: Callable[[Reply], object] | None = None,
     ) -> Reply:
         """Return the answer to a request."""
         self._clock, self.repeats = _Clock(), False
         self._answers.send(pickle.dumps((what, arguments), pickle.HIGHEST_PROTOCOL))
         limit = self._limits.timeout or math.inf
-        while {"progress", "repeats"} & (reply := self._wait(self._limits.patience, limit)).keys():
+        patience = self._limits.patience
+        while {"progress", "repeats", "part"} & (reply := self._wait(patience, limit)).keys():
             if "repeats" in reply:  # with as much time again
                 self._clock, self.repeats = _Clock(), True
                 continue
             if self._clock.passed() >= limit:
                 self._die(_too_long(limit))
-            if progress:
+            if progress and "progress" in reply:
                 progress(reply["progress"])
+            if take and "part" in reply:
+                take(reply["part"])
+                self._answers.send(pickle.dumps("taken"))
         if reply.get("error") == "MemoryError":
             self._die(f"took more than the {self._limits.memory:g} MB it may")
         return reply

@@ -4,6 +4,7 @@ import inspect
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -17,7 +18,7 @@ from stickslip.cosim.isolation.messages import Reply, called, portable_inputs
 from stickslip.cosim.isolation.process import Process
 from stickslip.cosim.run import resets
 from stickslip.cosim.run.guards import Exclusive
-from stickslip.cosim.run.result import Result
+from stickslip.cosim.run.result import Result, taking
 from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.signals.tables import signals_of
@@ -121,15 +122,25 @@ class IsolatedSimulation(Simulation):
             starts = by_name("parameters", arguments["parameters"], ParameterError)
             arguments["parameters"] = starts
         arguments |= {
-            "inputs": portable_inputs(inputs, self.time),
-            "tunable": portable_inputs(tunable, self.time),
+            "inputs": portable_inputs(inputs, lambda: self.time),
+            "tunable": portable_inputs(tunable, lambda: self.time),
             "progress": progress is not None,
             "how": how,
         }
-        with self._exclusive:
-            reply = self._first_or_again(lambda: self._ask_to_run(arguments, progress))
+        with self._exclusive, taking(arguments.pop("out")) as take:
+            arguments["parts"] = take is not None and self._plan.record.keep == "range"
+
+            def hand(part: Reply) -> None:
+                if take:
+                    take(self._result_of(part))
+
+            ask = partial(self._ask_to_run, arguments, progress, hand)
+            reply = self._first_or_again(ask)
             self._effort = reply["effort"]
-            return self._result_of(reply)
+            result = self._result_of(reply)
+            if take and not arguments["parts"]:
+                take(result)
+            return result
 
     def _first_or_again(self, ask: Callable[[], Reply]) -> Reply:
         """Ask for a run; where the FMUs do not bear to be used again, in another child."""
@@ -147,14 +158,12 @@ class IsolatedSimulation(Simulation):
         self._living().runs += 1
         return reply
 
-    def _ask_to_run(
-        self, arguments: dict[str, Any], progress: Callable[[float], object] | None
-    ) -> Reply:
+    def _ask_to_run(self, arguments: dict[str, Any], *how: Any) -> Reply:
         if arguments["how"] == "resume":  # where the child may read
             arguments["path"] = str(self._living().state)
             with suppress(OSError):  # the child says that there is none
                 atomic_write(self._living().state, Path(self._state_path).read_bytes())
-        return self._ask("run", arguments, progress)
+        return self._ask("run", arguments, *how)
 
     def _ended_by_reuse(self, process: Process, crash: FmuCrashed) -> bool:
         """Whether the crash comes from using instances again, so that a new child avoids it."""
@@ -175,10 +184,9 @@ class IsolatedSimulation(Simulation):
         n, width = reply["shape"]
         time = np.array(reply["times"])
         if n > len(time):
-            first, end = int(np.searchsorted(self.time, time[0])), time[-1]
-            time = self.time[first :: self._plan.record.every][:n]
-            if len(time) < n or time[-1] != end:  # an FMU has ended the run
-                time = np.append(time[: n - 1], end)
+            first, every = self._plan.step_near(time[0]), self._plan.record.every
+            steps = np.arange(first, first + n * every, every, dtype=np.float64)
+            time = np.append(self._plan.at(steps[:-1]), time[-1])  # where an FMU has ended the run
         values = self._living().shared.numbers[: n * width].reshape(n, width).copy()
         layout, kept = self._plan.layout, (reply["stopped"], reply["texts"], reply["points"])
         names, system = layout.recorded, self.spec.system
@@ -188,12 +196,12 @@ class IsolatedSimulation(Simulation):
         self,
         what: str,
         arguments: Mapping[str, object] = MappingProxyType({}),
-        progress: Callable[[float], object] | None = None,
+        *how: Any,
     ) -> Reply:
         process = self._living()
         process.stands_for = self._state_path
         try:
-            reply = process.ask(what, dict(arguments), progress)
+            reply = process.ask(what, dict(arguments), *how)
         except BaseException:  # also Ctrl-C: the child is in the middle of something
             self._give_up()
             raise
@@ -221,4 +229,4 @@ class IsolatedSimulation(Simulation):
 
 
 def _numbers(inputs: Mapping[str, float] | None) -> dict[str, Input]:
-    return portable_inputs(inputs or {}, np.zeros(1))
+    return portable_inputs(inputs or {}, lambda: np.zeros(1))

@@ -16,8 +16,6 @@ from ctypes import (
     c_int64,
     c_uint64,
     c_void_p,
-    create_string_buffer,
-    string_at,
 )
 from functools import cache
 from pathlib import Path
@@ -132,14 +130,17 @@ def _powers() -> Array[Array[c_uint64]]:
     return found
 
 
-def lines_of(numbers: NDArray[np.float64]) -> bytes:
-    """Return numbers (n, width) as n lines of a CSV file, as ``repr`` writes them."""
-    rows = np.ascontiguousarray(numbers)
-    text = create_string_buffer(_LONGEST * rows.size)
+def lines_of(time: NDArray[np.float64], rows: NDArray[np.float64]) -> memoryview:
+    """Return times (n,) and rows (n, width) as lines of a CSV file, as ``repr`` writes numbers."""
+    n, width = rows.shape
+    text = np.empty(_LONGEST * n * (1 + width), np.uint8)
+    numbers = map(doubles, map(np.ascontiguousarray, (time, rows)))
     write = load().write_lines
     write.restype = c_int64
-    length = write(text, doubles(rows), *map(c_int64, rows.shape), _powers())
-    return string_at(text, length)
+    texts = (c_int64 * (2 * width))()
+    shape = map(c_int64, (n, width))
+    length = write(c_void_p(text.ctypes.data), *numbers, *shape, _powers(), texts)
+    return text[:length].data
 
 
 MOST_COMPONENTS = 64  # beyond, the code would crowd itself out of the processor's cache

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import operator
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,7 +19,7 @@ from stickslip.cosim import kernel
 from stickslip.cosim.display import html_table
 from stickslip.cosim.signals.signals import Array
 from stickslip.cosim.system.system import System
-from stickslip.fmi.files import atomic_write
+from stickslip.fmi.files import atomic_file
 from stickslip.fmi.messages import scaled_unit, suggestion
 
 if TYPE_CHECKING:
@@ -177,20 +179,36 @@ class Result:
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals, names in the first line, every digit kept."""
-        return atomic_write(Path(path), self._csv())
+        with writing(Path(path)) as take:
+            take(self)
+        return Path(path)
 
-    def _csv(self) -> Iterator[str | bytes]:
-        """Yield the lines of a CSV file, many at a time."""
-        yield _lines([["time", *self.names, *self.texts]])
+    def lines(self) -> Iterator[bytes | memoryview]:
+        """Yield the lines of a CSV file but for the first, many at a time."""
         n = max(1, _NUMBERS // (1 + len(self.names)))
         for i in range(0, len(self.time), n):
             points = slice(i, i + n)
-            numbers = np.column_stack([self.time[points], self._part(points)])
+            time, rows = self.time[points], self._part(points)
             if self.texts:
                 texts = zip(*(text[points] for text in self.texts.values()), strict=True)
-                yield _lines(map(operator.add, numbers.tolist(), map(list, texts)))
+                numbers = np.column_stack([time, rows]).tolist()
+                yield _lines(map(operator.add, numbers, map(list, texts)))
             else:
-                yield kernel.lines_of(numbers)
+                yield kernel.lines_of(time, rows)
+
+    def range(self, earlier: Result | None = None) -> Result:
+        """Return the least, the greatest and the last values, of an earlier part too."""
+        parts = [part for part in (earlier, self) if part and len(part.time)]
+        time, rows = self.time, self.rows
+        if parts:
+            time = np.array([parts[0].time[0], parts[-1].time[-1], parts[-1].time[-1]])
+            rows = _reduced(np.vstack([_reduced(part.rows) for part in parts]))
+        changes = {
+            name: list(dict.fromkeys([*course[:1], *self.changes[name][-1:]]))
+            for name, course in (earlier or self).changes.items()
+        }
+        points = sum(part.points for part in parts)
+        return Result(time, rows, self.names, self._system, self.stopped, changes, points)
 
     def to_parquet(self, path: str | os.PathLike[str]) -> Path:
         """Write ``time`` (s) and the signals with their units; CosimError without pyarrow."""
@@ -223,11 +241,49 @@ class Result:
         return {name: columns[0] for name, columns in found.items() if name and len(columns) == 1}
 
 
-def _lines(rows: Iterable[Sequence[object]]) -> str:
+def _lines(rows: Iterable[Sequence[object]]) -> bytes:
     """Return rows as lines of a CSV file."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(rows)
-    return text.getvalue()
+    return text.getvalue().encode()
+
+
+Take = Callable[[Result], object]
+"""Takes a result part by part."""
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[Take]:
+    """Write a CSV file part by part; it has its name when all is written.
+
+    A run that has to begin again takes back what was written.
+    """
+    with atomic_file(path) as file:
+        last = -math.inf
+
+        def take(part: Result) -> None:
+            nonlocal last
+            if last == -math.inf or (part.time[:1] <= last).any():
+                file.seek(0)
+                file.truncate()
+                file.write(_lines([["time", *part.names, *part.changes]]))
+            file.writelines(part.lines())
+            last = max(part.time[-1:], default=last)
+
+        yield take
+
+
+def taking(
+    out: str | os.PathLike[str] | Take | None,
+) -> AbstractContextManager[Take | None]:
+    """Return what takes parts: a function as it is, a file as one that writes it."""
+    return nullcontext(out) if out is None or callable(out) else writing(Path(out))
+
+
+def _reduced(rows: Array) -> Array:
+    """Return the least, the greatest and the last values (3, n) of rows; NaN stays."""
+    by_column = [[column.min(), column.max(), column[-1]] for column in rows.T]
+    return np.array(by_column).reshape(-1, 3).T
 
 
 def _draw(

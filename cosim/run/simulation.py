@@ -19,7 +19,7 @@ from stickslip.cosim.run import resets
 from stickslip.cosim.run.checkpoint import Checkpoint, differences, identity, put_back, taken
 from stickslip.cosim.run.guards import Exclusive
 from stickslip.cosim.run.instances import Instances
-from stickslip.cosim.run.result import Result
+from stickslip.cosim.run.result import Result, Take, taking
 from stickslip.cosim.run.reuse import Reuse
 from stickslip.cosim.run.stepping import Discarded, NotReset, Stepper
 from stickslip.cosim.signals.signals import Array, Table
@@ -89,6 +89,7 @@ class Simulation:
         tunable: Inputs | None = None,
         until: float | None = None,
         progress: Callable[[float], object] | None = None,
+        out: str | os.PathLike[str] | Take | None = None,
     ) -> Result:
         """Run from the start: reset, set start values, initialise, step.
 
@@ -108,6 +109,10 @@ class Simulation:
         until : a point of ``time`` (s) to halt at, so that the state can be saved; the stop if
             left out
         progress : is called with the time reached (s) now and then
+        out : FILE.csv for all points, or a function that is called with parts of the result, each a
+            Result whose values the next one overwrites. With ``Record(keep="range")`` this is done
+            as the run goes, which then needs no memory for the points. A run that has to begin
+            again starts the file again, or gives the first part again
 
         Raises
         ------
@@ -123,17 +128,40 @@ class Simulation:
         signals = signals_of(inputs)
         jumps = any(isinstance(signal, Table) for signal in signals.values())
         changes = signals_of(tunable)
-        same_as = None if changes or jumps else last
+        same_as = None if changes or jumps else (last, out is None)
 
-        def go(repeated: bool) -> Result:
-            return self._stepper.go(0, last, None if repeated else progress)
+        def attempt(take: Take | None) -> Result:
+            def go(repeated: bool) -> Result:
+                return self._go(0, last, *(() if repeated else (progress, take)))
 
-        def attempt() -> Result:
             external = self._stepper.follow(values, signals, changes)
             return self._reuse.run(values, external, go, same_as=same_as)
 
-        with self._exclusive:
-            return self._with_retries(attempt)
+        with self._exclusive, taking(out) as take:
+            return self._with_retries(lambda: attempt(take))
+
+    def _go(
+        self,
+        first: int,
+        last: int,
+        progress: Callable[[float], object] | None = None,
+        take: Take | None = None,
+    ) -> Result:
+        """Step from the first to the last of the points in time, and hand the result on."""
+        if take is None or self._plan.record.keep != "range":
+            result = self._stepper.go(first, last, progress)
+            if take:
+                take(result)
+            return result
+        kept: Result | None = None
+
+        def add(part: Result) -> Result:
+            nonlocal kept
+            take(part)
+            kept = part.range(kept)
+            return kept
+
+        return add(self._stepper.go(first, last, progress, add))
 
     def start(
         self,
@@ -225,6 +253,7 @@ class Simulation:
         tunable: Inputs | None = None,
         until: float | None = None,
         progress: Callable[[float], object] | None = None,
+        out: str | os.PathLike[str] | Take | None = None,
     ) -> Result:
         """Go on from a saved state; return what follows, the time of the state included.
 
@@ -252,16 +281,16 @@ class Simulation:
         parameters = self.spec.system.parameters
         signals, changes = signals_of(inputs), signals_of(tunable)
 
-        def go(_: bool) -> Result:
-            put_back(self._stepper, checkpoint, path)
-            return self._stepper.go(checkpoint.step, last, progress)
+        def attempt(take: Take | None) -> Result:
+            def go(_: bool) -> Result:
+                put_back(self._stepper, checkpoint, path)
+                return self._go(checkpoint.step, last, progress, take)
 
-        def attempt() -> Result:
             external = self._stepper.follow({**parameters, **checkpoint.starts}, signals, changes)
             return self._reuse.run(parameters, external, go, resumed=True)
 
-        with self._exclusive:
-            return self._with_retries(attempt)
+        with self._exclusive, taking(out) as take:
+            return self._with_retries(lambda: attempt(take))
 
     def learned(self) -> dict[str, float]:
         """Return what the components have learned in the last run: parameter -> start value.

@@ -24,7 +24,7 @@ from stickslip.cosim.fmu.instance import Batch
 from stickslip.cosim.fmu.library import Library
 from stickslip.cosim.kernel import structures
 from stickslip.cosim.run.instances import Instances
-from stickslip.cosim.run.result import Result
+from stickslip.cosim.run.result import Result, Take
 from stickslip.cosim.signals.signals import Array, Input, Table
 from stickslip.fmi.description.variables import Value
 from stickslip.fmi.process import check_interruption
@@ -100,9 +100,19 @@ class Stepper:
         self.fmus.memory.prepare(external, apart=apart)
         self.halted = self._by_steps = False
 
-    def go(self, first: int, last: int, progress: Callable[[float], object] | None) -> Result:
-        """Step to the last of the points in time, and look up on the way if asked to."""
+    def go(
+        self,
+        first: int,
+        last: int,
+        progress: Callable[[float], object] | None,
+        take: Take | None = None,
+    ) -> Result:
+        """Step to the last of the points in time, and look up on the way if asked to.
+
+        ``take`` is given all parts of the result but for the last, which is returned.
+        """
         fmus, at = self.fmus, self.plan.at
+        full = fmus.memory.prepare_part(first) if take else last
         self._texts = Texts([])
         look = last - first
         if progress:
@@ -115,12 +125,17 @@ class Stepper:
             self._texts = self._new_texts()
             self._texts.note(at(first))
             while halt < last:
-                halt = min(halt + look, last)
+                halt = min(halt + look, last, full)
                 if end := self.advance(halt):
                     return self._ended(end, first)
                 self._texts.note(at(halt))
                 if progress:
                     progress(at(halt))
+                if take and halt == full < last:
+                    take(self._result(*fmus.memory.kept(first, halt)))
+                    self._texts.forget()
+                    first = halt + 1
+                    full = fmus.memory.prepare_part(first)
         finally:
             fmus.warn()
         return self._result(*fmus.memory.kept(first, last))
@@ -311,6 +326,11 @@ class Texts:
         self.changes: dict[str, list[tuple[float, str]]] = {
             name: [] for names, _, _ in batches for name in names
         }
+
+    def forget(self) -> None:
+        """Let go of all values but the present ones."""
+        self.changes = {name: course[-1:] for name, course in self.changes.items()}
+        self._size = sum(len(text) for ((_, text),) in self.changes.values())
 
     def note(self, time: float) -> None:
         """Read all strings at a point in time (s)."""

@@ -66,8 +66,8 @@ def isolation_of(options: argparse.Namespace) -> cosim.Isolated:
 
 
 PICTURES = (".png", ".svg", ".pdf")
-WRITERS = {".csv": "to_csv", ".parquet": "to_parquet", ".xlsx": "to_excel"}
-"""Methods of a result, by suffix."""
+WRITERS = {".parquet": "to_parquet", ".xlsx": "to_excel"}
+"""Methods of a result, by suffix; a .csv is written as the run goes."""
 LIBRARIES = {".parquet": ("pyarrow", "parquet"), ".xlsx": ("openpyxl", "excel")}
 """What a suffix needs, and the extra that installs it."""
 SIGNAL = ("signal", "unit", "min", "max", "end")
@@ -127,8 +127,8 @@ def _picture(text: str) -> Path:
 
 def run(options: argparse.Namespace) -> Answer:
     """Run, write the samples if asked to, and print the range and end of each signal."""
-    if options.out and options.out.suffix not in WRITERS:
-        raise UsageError(f"{options.out}: expected a file that ends in {or_(WRITERS)}")
+    if options.out and options.out.suffix not in (tables := (".csv", *WRITERS)):
+        raise UsageError(f"{options.out}: expected a file that ends in {or_(tables)}")
     library, extra = LIBRARIES.get(options.out.suffix, ("", "")) if options.out else ("", "")
     if library and find_spec(library) is None:  # before a run whose result it would lose
         raise UsageError(f"{options.out}: needs {library}; install it with {installing(extra)}")
@@ -166,7 +166,9 @@ def _simulate(options: argparse.Namespace) -> Answer:
         isolation=isolation_of(options),
     )
     with prepared as simulation:
+        writer = WRITERS.get(options.out.suffix) if options.out else None
         how = {"inputs": inputs, "until": options.until}
+        how["out"] = None if writer else options.out
         if options.resume:
             result = simulation.resume(options.resume, **how)
         else:
@@ -174,9 +176,9 @@ def _simulate(options: argparse.Namespace) -> Answer:
         if options.save:
             simulation.save(options.save)
     _warn(options, model, inputs, simulation.spec.step)
-    written = []
-    if options.out:
-        written.append(getattr(result, WRITERS[options.out.suffix])(options.out))
+    written = [options.out] if options.out else []
+    if writer:
+        getattr(result, writer)(options.out)
     print(f"{'signal':32} {'unit':8} {'min':>14} {'max':>14} {'end':>14}")
     signals = []
     for name in result.names if len(result.time) else ():  # a resumed run may keep no point
@@ -199,10 +201,11 @@ def _simulate(options: argparse.Namespace) -> Answer:
 
 
 def _kept(options: argparse.Namespace) -> str:
-    """Return what to keep: no more than is printed, where no file, picture or state needs all."""
+    """Return what to keep: no more than is printed, where no table, picture or state needs all."""
     if options.last:
         return "last"
-    needed = options.out, options.plot, options.save, options.resume
+    table = options.out if options.out and options.out.suffix in WRITERS else None
+    needed = table, options.plot, options.save, options.resume
     return "range" if needed == (None, None, None, None) else "all"
 
 

@@ -1,6 +1,7 @@
 """What a record keeps is what NumPy takes from the full one, to the bit; and runs that fail."""
 
 import csv
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from pyarrow import parquet
 
 from stickslip import cosim
 from stickslip.cosim import Record
+from stickslip.cosim.run.result import writing
 from tests.cosim.single import one
 
 N = 1000  # several blocks of the kernel, and neither 7 nor 300 divides it
@@ -105,6 +107,88 @@ def test_the_range_of_what_is_kept(system, coupling, every, isolation):
             np.testing.assert_array_equal(found.values, ends)
 
 
+LONG = 10_000  # steps: several parts
+MANY = [f"{c}.{v}" for c in ("spring", "speed", "position") for v in ("u", "k", "fault_time")]
+
+
+@pytest.mark.parametrize("isolation", [None, "process"])
+@pytest.mark.parametrize("every", [1, 7])
+def test_a_file_that_is_written_as_the_run_goes(system, every, isolation, tmp_path):
+    names = ["u", "*.y", "*.sum", *MANY, "position.sign"]
+    how = {"step": 1e-3, "isolation": isolation}
+    written, file = tmp_path / "written.csv", tmp_path / "as it goes.csv"
+    with (
+        system.prepare(record=Record(names, every), stop=LONG * 1e-3, **how) as full,
+        system.prepare(record=Record(names, every, "range"), stop=LONG * 1e-3, **how) as reduced,
+    ):
+        for until in (None, None, 3.0):  # the second is repeated after a reset
+            kept = full.run(inputs=INPUT, until=until)
+            found = reduced.run(inputs=INPUT, until=until, out=file)
+            assert file.read_bytes() == kept.to_csv(written).read_bytes()
+            assert found.points == len(kept.time)
+            np.testing.assert_array_equal(found.time, kept.time[[0, -1, -1]])
+            ends = kept.values.min(0), kept.values.max(0), kept.values[-1]
+            np.testing.assert_array_equal(found.values, ends)
+            assert found.texts["position.sign"][1:] == [kept.texts["position.sign"][-1]] * 2
+        full.run(inputs=INPUT, out=file)
+        assert file.read_bytes() == full.run(inputs=INPUT).to_csv(written).read_bytes()
+
+
+def test_parts_of_a_run_need_no_memory_for_all_of_it(make):
+    """Of which the inputs are none: signals from outside are sampled before a run."""
+    system = one(make("integrator"), {"u": 1.0})
+
+    def peak(n):
+        points = 0
+
+        def take(part):
+            nonlocal points
+            points += len(part.time)
+
+        record = Record(["a.y", "a.sum"], keep="range")
+        with system.prepare(step=1e-3, stop=n * 1e-3, record=record) as simulation:
+            tracemalloc.start()
+            simulation.run(out=take)
+            most = tracemalloc.get_traced_memory()[1]
+            tracemalloc.stop()
+        assert points == n + 1
+        return most
+
+    assert peak(100 * LONG) < 1.2 * peak(10 * LONG)
+
+
+def test_a_run_that_begins_again_takes_back_what_it_wrote(system, tmp_path):
+    def copied(part):
+        return cosim.Result(part.time, part.rows.copy(), part.names, system)
+
+    parts = []
+    record = Record(["*.y", *MANY], keep="range")
+    with system.prepare(step=1e-3, stop=LONG * 1e-3, record=record) as run:
+        run.run(inputs=INPUT, out=lambda part: parts.append(copied(part)))
+        expected = run.run(inputs=INPUT, out=tmp_path / "a.csv")
+    assert len(parts) > 2
+    with writing(tmp_path / "b.csv") as take:
+        for part in [*parts[:2], *parts]:
+            take(part)
+    assert (tmp_path / "b.csv").read_bytes() == (tmp_path / "a.csv").read_bytes()
+    assert expected.points == sum(part.points for part in parts)
+
+
+@pytest.mark.parametrize("isolation", [None, "process"])
+def test_a_run_that_fails_leaves_the_file_as_it_was(make, isolation, tmp_path):
+    system = one(make("integrator"), {"u": 1.0, "fault": GIVE_NAN, "fault_time": 45_000.0})
+    file = tmp_path / "a.csv"
+    file.write_text("before")
+    record = Record(["a.y", "a.sum"], keep="range")
+    with (
+        system.prepare(step=1.0, stop=50_000.0, record=record, isolation=isolation) as simulation,
+        pytest.raises(cosim.SimulationError, match="not finite"),
+    ):
+        simulation.run(out=file)
+    assert file.read_text() == "before"
+    assert [*tmp_path.glob("*.csv"), *tmp_path.glob(".*")] == [file]
+
+
 def test_a_range_keeps_what_is_no_number(make):
     system = one(make("integrator"), {"u": 1.0, "fault": GIVE_NAN, "fault_time": 4.0})
     found = prepare(system, Record("a.y", keep="range"), allow_nan=True).run()
@@ -113,7 +197,7 @@ def test_a_range_keeps_what_is_no_number(make):
 
 @pytest.mark.parametrize("every", [1, 7])
 @pytest.mark.parametrize("at", [0.455, 8.005])
-def test_a_run_that_an_fmu_ends(make, at, every):
+def test_a_run_that_an_fmu_ends(make, at, every, tmp_path):
     system = one(make("integrator", 3), {"u": 1.0, "fault": TERMINATE, "fault_time": at})
     full = prepare(system).run()
     assert full.stopped
@@ -128,6 +212,10 @@ def test_a_run_that_an_fmu_ends(make, at, every):
     np.testing.assert_array_equal(reduced.time, some.time[[0, -1, -1]])
     np.testing.assert_array_equal(reduced["a.y"], [*np.sort(some["a.y"])[[0, -1]], some["a.y"][-1]])
     assert reduced.points == len(kept)
+    with prepare(system, Record("a.y", every=every, keep="range")) as simulation:
+        simulation.run(out=tmp_path / "as it goes.csv")
+    expected = some.to_csv(tmp_path / "some.csv").read_bytes()
+    assert (tmp_path / "as it goes.csv").read_bytes() == expected
     assert some.stopped == last.stopped == reduced.stopped == full.stopped
 
 

@@ -50,15 +50,18 @@ def test_numbers_are_written_as_python_writes_them():
     each = [
         random.integers(0, 2**64, 100_000, dtype=np.uint64).view(float),  # any double
         random.standard_normal(10_000).round(3),
+        random.standard_normal(10_000) * 10.0 ** random.integers(-8, 20, 10_000),
         random.integers(-(10**17), 10**17, 10_000).astype(float),
         *(powers, np.nextafter(powers, 0.0), np.nextafter(powers, np.inf)),
         [float(f"1e{k}") for k in range(-323, 309)],
         [0.0, -0.0, np.nan, -np.nan, np.inf, -np.inf],
     ]
     numbers = np.concatenate(each)
-    lines = kernel.lines_of(numbers[:, None]).decode().splitlines()
-    assert lines == [repr(number) for number in numbers.tolist()]
-    assert kernel.lines_of(np.array([[0.5, 1.0], [2.0, 1e-5]])) == b"0.5,1.0\n2.0,1e-05\n"
+    numbers = np.repeat(numbers, random.integers(1, 3, len(numbers)))
+    lines = bytes(kernel.lines_of(numbers, -numbers[:, None])).decode().splitlines()
+    assert lines == [f"{number!r},{-number!r}" for number in numbers.tolist()]
+    two = np.array([0.5, 2.0]), np.array([[1.0, 3.0], [1e-5, 4.0]])
+    assert kernel.lines_of(*two) == b"0.5,1.0,3.0\n2.0,1e-05,4.0\n"
 
 
 def test_a_variable_that_one_component_has_needs_no_component(result, make):

@@ -35,7 +35,10 @@ def test_an_oscillator_follows_the_cosine_and_fmpy_to_the_bit(export, version):
 def test_a_bouncing_ball_bounces_when_the_parabola_ends(export, version):
     e, first = 0.7, math.sqrt(2 / G)
     bounces = first * (1 + 2 * np.cumsum([0.0, *(e**i for i in range(1, 8))]))
-    result = one(export("ball", version, "ME")).prepare(step=1e-3, stop=2.3, tolerance=FINE).run()
+    path = export("ball", version, "ME")
+    result = one(path).prepare(step=1e-3, stop=2.3, tolerance=FINE).run()
+    theirs = fmpy_run(path, 1e-3, 2.3, "height")["height"]
+    np.testing.assert_array_equal(result["a.height"], theirs)
     seen = result.time[1:][np.diff(result["a.bounces"]) > 0]
     np.testing.assert_allclose(seen, np.ceil(bounces[bounces < 2.3] / 1e-3) * 1e-3, atol=1e-9)
     falling = result.time < first

@@ -52,6 +52,22 @@ def test_a_run_is_saved_and_resumed(stage, force, tmp_path):
     pd.testing.assert_frame_equal(whole[10:].reset_index(drop=True), rest, check_exact=True)
 
 
+@pytest.mark.parametrize("every", [1, 7])
+def test_a_resumed_run_writes_its_file_as_it_goes(stage, every, tmp_path):
+    system = cosim.System()
+    system.add("stage", stage)
+    system.set("stage.u", 30.0)
+    how = {"stop": 40.0, "step": 1e-3, "record": cosim.Record(None, every, "range")}
+    with system.prepare(**how) as simulation:
+        simulation.run(out=tmp_path / "whole.csv")
+        simulation.run(until=14.0)
+        simulation.save(tmp_path / "state")
+        rest = simulation.resume(tmp_path / "state", out=tmp_path / "rest.csv")
+    whole, found = ((tmp_path / f"{n}.csv").read_text().splitlines() for n in ("whole", "rest"))
+    assert found == [whole[0], *whole[1 + 14_000 // every :]]
+    assert rest.points == len(found) - 1
+
+
 def test_an_fmu_of_another_tool_with_dots_in_names_and_no_step(stage, force, edited, tmp_path):
     name, path = force
     changes = {f'name="{name}"': f'name="axis.{name}"', r' stepSize="[^"]*"': ""}
