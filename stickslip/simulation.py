@@ -152,8 +152,7 @@ class Model:
         try:
             return self.system.prepare(start=start, stop=stop, step=step, record=record, **options)
         except cosim.ExperimentError as fault:
-            hint = "" if "tolerance" in str(fault) else "; see stop and step"
-            raise UsageError(f"{self.path}: {fault}{hint}") from fault
+            raise UsageError(f"{self.path}: {fault}") from fault
 
     def step(self, start: float, stop: float) -> float:
         """Return the step of a run from a start to a stop time [s].

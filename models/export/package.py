@@ -117,7 +117,7 @@ def build_fmu(
     folder: Path | str,
     *,
     fmi: sources.FmiVersion = 2,
-    platforms: Iterable[toolchain.Platform] | None = None,
+    platforms: Iterable[toolchain.Platform | str] | str | None = None,
     start: Mapping[str, float] | None = None,
     law: str | None = None,
     called: str | None = None,
@@ -132,7 +132,7 @@ def build_fmu(
     name : a model of ``model_names()``
     folder : is made if it is absent
     fmi : version of the standard
-    platforms : what to build for; this machine by default
+    platforms : what to build for, such as ``all``; this machine by default
     start : parameter -> start value, in the unit of model.toml, instead of the one there
     law : a friction law of ``law_names()`` in place of the model's default
     called : name of the file and of the model in it, by default ``name``
@@ -164,7 +164,7 @@ def pack_fmu(
     folder: Path | str,
     *,
     fmi: sources.FmiVersion = 2,
-    platforms: Iterable[toolchain.Platform] | None = None,
+    platforms: Iterable[toolchain.Platform | str] | str | None = None,
     reference: bool = False,
     terminals: bool = True,
 ) -> Path:
@@ -195,7 +195,7 @@ def pack_fmu(
     members |= toolchain.binaries(
         model.name,
         fmi,
-        platforms or [toolchain.host_platform()],
+        toolchain.chosen_platforms(platforms),
         lambda platform: blank_library(model, fmi, platform),
         lambda library: toolchain.patched(library, marker, start),
     )
