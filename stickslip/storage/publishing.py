@@ -44,8 +44,8 @@ UNFINISHED = "unfinished"  # The folder of what a command with many jobs has fou
 def reserved(folder: Path | None, names: Collection[str]) -> Iterator[None]:
     """Lock a folder for a command that will write these files there, before it computes them.
 
-    That they replace earlier ones is told. None locks nothing. Raises UsageError when one of the files is the user's, the folder cannot be
-    written, or another process has locked it.
+    That they replace earlier ones is told. None locks nothing. Raises UsageError when one of the
+    files is the user's, the folder cannot be written, or another process has locked it.
     """
     with locked(folder):
         if folder is not None:

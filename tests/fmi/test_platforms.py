@@ -50,7 +50,7 @@ def test_platforms_are_chosen_by_name_and_each_once():
     assert toolchain.chosen_platforms(None) == toolchain.chosen_platforms("host") == [host]
     assert toolchain.chosen_platforms("all") == every
     assert toolchain.chosen_platforms(["host", host, host.tuple]) == [host]
-    with pytest.raises(ToolchainError, match="expected all or of .*, host, got 'amiga'"):
+    with pytest.raises(ToolchainError, match=r"expected all or of .*, host, got 'amiga'"):
         toolchain.chosen_platforms(["amiga"])
 
 

@@ -147,7 +147,7 @@ WRONG = {
 def test_what_is_wrong_is_named_with_an_option_and_accepted_when_right(check, name):
     """Another quantity than force needs a unit or a scale, and so do whole numbers."""
     option, given, wrong, said, right = WRONG[name]
-    status, errors, _, err = check(*wrong, **given)
+    status, errors, *_ = check(*wrong, **given)
     assert status == 1
     assert said in errors[0]
     assert option in errors[0]
