@@ -21,10 +21,10 @@ from typing import (
     get_type_hints,
 )
 
-import stickslip
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.messages import printable, suggestion
 
+_PACKAGE = "stickslip"  # which imports this module
 F = TypeVar("F", bound=Callable[..., Any])
 _TAKEN: dict[object, Any] = {  # in place of a class: numbers of numpy, paths as texts, tables
     float: SupportsFloat,
@@ -94,7 +94,7 @@ def public(value: Any) -> Any:
             kind.__init__ = checked(kind.__init__, always=True)
         return kind
     found = checked(value)
-    found.__module__ = stickslip.__name__  # where it is found when it goes to another process
+    found.__module__ = _PACKAGE  # where it is found when it goes to another process
     return found
 
 
@@ -103,8 +103,9 @@ def _kind(function: Callable[..., object], name: str) -> object:
     """Return what an annotation means; ``object`` where it names what is imported for it alone."""
     text = getattr(function, "__annotations__", {}).get(name, object)
     space = getattr(function, "__globals__", {})
-    words = {*re.findall(r"\w+", str(text))} & {*dir(stickslip)} - {*space}
-    names = {word: getattr(stickslip, word) for word in words}
+    package = import_module(_PACKAGE)
+    words = {*re.findall(r"\w+", str(text))} & {*dir(package)} - {*space}
+    names = {word: getattr(package, word) for word in words}
     if "pd" in str(text):
         names["pd"] = import_module("pandas")  # late: large
     try:

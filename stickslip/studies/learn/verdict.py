@@ -100,8 +100,9 @@ class Verdict:
 
     def rows(self, folder: str = "") -> Iterator[tuple[str, str]]:
         """Yield a label and a sentence for each line; a folder precedes the names of files."""
+        label = "use" if self.loop is None or self.loop.friction_matters else "optional"
         for k, (name, what) in enumerate(self.files.items()):
-            yield "" if k else "use", f"{folder}{name}: {what}"
+            yield "" if k else label, f"{folder}{name}: {what}"
         for line in self.refused:
             yield "warning", line
         if self.errors:
@@ -174,9 +175,12 @@ def _headline(
 ) -> str:
     compared = learned.trial and learned.trial.compared
     if loop and not loop.friction_matters:
-        most = f"{number(100 * loop.share, 2)} % of the {loop.figure} error stays without any"
+        most = f"{number(100 * loop.share, 3)} % of the {loop.figure} error stays without any"
         start = f"friction is not the problem: {most} friction"
-        return f"{start}, so a compensator brings little" if files else start
+        if not files:
+            return start
+        gain = number(100 * (1.0 - loop.share), 2)
+        return f"{start}; what is written takes at most {gain} % of it, the loop (below) the rest"
     if force and learned.writes() != learned.writes(force=True):
         return with_settings("what is written is not recommended, but asked for with <force>")
     if compared and learned.writes() and compared.chosen.benefit:
@@ -260,9 +264,11 @@ def _left(errors: Sequence[MotionError]) -> str:
         shares = ", ".join(f"{one.motion} {number(100 * one.ratio, 2)} %" for one in own)
         low, high = min(one.low for one in own), max(one.high for one in own)
         found.append(
-            f"{shares} of the {figure} error that friction causes"
-            f" ({number(100 * low, 2)} to {number(100 * high, 2)} % on the true drive)"
+            f"{shares} of the {figure} error that friction causes; {number(100 * low, 2)} to"
+            f" {number(100 * high, 2)} % are predicted for the true drive"
         )
+        if worse := [one.motion for one in own if one.high > 1.0]:
+            found[-1] += f", so it may get worse in {' and '.join(worse)}"
     return "; ".join(found)
 
 
@@ -314,15 +320,7 @@ def _doubts(learned: LearnedFromRecording) -> Iterator[str]:
     if hidden:
         show = f"stickslip plan --show {' '.join(hidden)}"
         found.append(f"{', '.join(hidden)}: not identifiable from this log; '{show}' plans one")
-    if learned.trial is not None:
-        if not learned.designed.known:
-            loop, known = learned.designed.compensated, learned.tracking and learned.tracking.known
-            found.append(
-                "compensators were tried in a PI velocity loop that is not the log's, K_p ="
-                f" {loop.K_p:.4g}, K_i = {loop.K_i:.4g}"
-                f"{'' if known else '; <controller> and <gain> give the one of the log'}"
-            )
-        found += learned.trial.warnings
+    found += learned.trial_warnings
     faults = {str(one) for one in estimation.faults}
     warnings = [
         one for one in learned.findings if one.severity == "warning" and str(one) not in faults
