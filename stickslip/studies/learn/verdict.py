@@ -16,6 +16,7 @@ from textwrap import wrap
 import numpy as np
 from matplotlib.figure import Figure
 
+from stickslip.compensators.entrants import parts
 from stickslip.errors import with_settings
 from stickslip.evaluation.tracking import FEEDFORWARD as WITH_FEEDFORWARD
 from stickslip.evaluation.tracking import FRICTIONLESS, NONE, Tracking
@@ -202,14 +203,20 @@ def _what(learned: LearnedFromRecording, name: str) -> str:
     if name == OBSERVER_FMU:
         kind = learned.trial.compared.chosen.name.split("+")[-1] if learned.trial else ""
         place = ", to be added after the feedforward" if learned.choice == BOTH else ""
-        return f"the observer {kind}{place}"
+        return f"{_titled(kind, 'observer')}{place}"
     benefit = learned.benefit
     share = benefit.share if benefit else 1.0
     of = "" if share == 1.0 else f" at {number(100 * share)} % of the learned force"
     kind = learned.trial.compared.chosen.name.split("+")[0] if learned.trial else ""
     if kind in ("", "none") or learned.choice not in (FEEDFORWARD, BOTH):
-        kind = learned.estimation.law.title
-    return f"the feedforward {kind}{of}"
+        kind = learned.estimation.law.name
+    return f"{_titled(kind, 'feedforward')}{of}"
+
+
+def _titled(kind: str, otherwise: str) -> str:
+    """Return the title of a compensator with its name in commands and files."""
+    known = parts()
+    return f"{known[kind].title} ({kind})" if kind in known else f"the {otherwise} {kind}".rstrip()
 
 
 def motion_errors(benefit: Benefit, motion: Motion) -> Iterator[MotionError]:
@@ -268,8 +275,12 @@ def _left(errors: Sequence[MotionError]) -> str:
             f" {number(100 * high, 2)} % are predicted for the true drive"
         )
         if worse := [one.motion for one in own if one.high > 1.0]:
-            found[-1] += f", so it may get worse in {' and '.join(worse)}"
+            found[-1] += f", so it may get worse in {_listed(worse, own)}"
     return "; ".join(found)
+
+
+def _listed(worse: Sequence[str], every: Sequence[MotionError]) -> str:
+    return ", ".join(worse) if len(worse) < len(every) else "any motion"
 
 
 def _sentence(loop: LoopShare) -> str:
