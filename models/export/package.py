@@ -24,7 +24,7 @@ from stickslip.models.errors import (
 )
 from stickslip.models.export import presentation, sources
 from stickslip.models.export.description import Model, read_model
-from stickslip.models.export.law import MODELS, Law, read_law, read_toml
+from stickslip.models.export.law import MODELS, Law, read_law, read_toml, roots
 from stickslip.models.export.model_description import model_description
 
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -37,7 +37,7 @@ def _folders() -> dict[str, Path]:
     """Return the folder of each model; a model.toml may give another name than its folder's."""
     found = {}
     for room in _ROOMS:
-        for path in (MODELS / room).glob("*/model.toml"):
+        for path in (path for root in roots() for path in (root / room).glob("*/model.toml")):
             with left_out(path, DescriptionError):
                 found[read_toml(path).get("name", path.parent.name)] = path.parent
     return dict(sorted(found.items()))
@@ -63,7 +63,8 @@ def _law_names() -> tuple[str, ...]:
 
 
 def _law_folders() -> list[Path]:
-    return sorted(path.parent for path in (MODELS / "laws").glob("*/law.toml"))
+    paths = (path for root in roots() for path in (root / "laws").glob("*/law.toml"))
+    return sorted((path.parent for path in paths), key=lambda folder: folder.name)
 
 
 def load_law(name: str) -> Law:
@@ -74,9 +75,10 @@ def load_law(name: str) -> Law:
     UnknownLaw, DescriptionError
         When there is no such law, or its law.toml is not well formed.
     """
-    if name not in [folder.name for folder in _law_folders()]:
+    folder = next((one for one in _law_folders() if one.name == name), None)
+    if folder is None:
         raise UnknownLaw(f"there is no friction law '{name}'{suggestion(name, law_names())}")
-    return read_law(MODELS / "laws" / name)
+    return read_law(folder)
 
 
 @cache
