@@ -23,16 +23,18 @@ _STYLE = "STICKSLIP_SETTINGS"
 """Variable of the environment of a command, and of the processes that it starts."""
 _SETTING = re.compile(
     "<(column|compensator|confirm|controller|drive|encoder_step|evaluations|fixed|force"
-    "|friction_range|gain|law|motion|out|rated_force|rated_torque|resume|rig|sample_period|scale"
-    "|seconds|seed|seeds|span|stop|tunings|unit)(?: ([^<>]+))?>"
+    "|friction_range|gain|input|law|motion|out|rated_force|rated_torque|resume|rig|sample_period"
+    "|scale|seconds|seed|seeds|set|span|stop|tunings|unit)(?: ([^<>]+))?>"
 )
 
 _OTHERWISE = {
     "drive": "drives",
     "force": "force=True",
     "gain": "gains",
+    "input": "inputs",
     "out": "folder",
     "resume": "resume=True",
+    "set": "parameters",
 }
 """What is called in Python otherwise than by the word of its option."""
 _FIELDS = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import warnings
 import zipfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -15,7 +16,7 @@ from stickslip.cosim import ParameterError, Table
 from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.signals.tables import Inputs
 from stickslip.cosim.ssp.structure import Package
-from stickslip.errors import UsageError, number
+from stickslip.errors import UsageError, number, with_settings
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write
 from stickslip.keywords import RunOptions, named
@@ -50,6 +51,11 @@ def packed_input(package: Path) -> dict[str, Table]:
     return Table.all_from_csv(file) if file.is_file() else {}
 
 
+class IdleInputs(UserWarning):
+    """Inputs of a run get no signal."""
+
+
+_MOST = 8  # names in a warning
 _STEPS = 500  # of a run for which no step is proposed
 
 
@@ -89,6 +95,7 @@ def simulate(
     model.require_free(starts, signals)
     for name, value in starts.items():
         model.set(name, value)
+    model.warn_of_idle(signals)
     with model.prepare(**options) as simulation:
         return simulation.run(inputs=signals)
 
@@ -188,6 +195,23 @@ class Model:
                     if not live and one not in system.parameters:
                         found[source or one] = (element.start, system.unit(one) or "")
         return found
+
+    def warn_of_idle(self, inputs: Iterable[str], *, components: bool = False) -> None:
+        """Warn of exposed inputs, and of ``components``, that nothing drives."""
+        found = {
+            name: start
+            for name, start in self.idle_inputs(inputs).items()
+            if components or name in self.system.inputs
+        }
+        if found:
+            shown = [f"{n} = {value} {unit}".rstrip() for n, (value, unit) in found.items()]
+            names = ", ".join(shown[:_MOST]) + (", ..." if len(found) > _MOST else "")
+            warnings.warn(
+                f"inputs that stay at their start values: {names};"
+                + with_settings(" give them signals by <input>, or constants by <set>"),
+                IdleInputs,
+                stacklevel=5,
+            )
 
     def record(
         self, names: cosim.Record | Iterable[str] | None, every: int = 1, keep: str = "all"
