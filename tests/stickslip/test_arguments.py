@@ -74,3 +74,13 @@ def test_an_error_of_a_function_of_the_user_stays_as_it_is():
 
 def test_public_functions_go_to_other_processes():
     assert pickle.loads(pickle.dumps(ss.simulate)) is ss.simulate  # noqa: S301
+
+
+def test_times_of_a_package_are_given_by_name(tmp_path):
+    system = ss.System("push")
+    system.add("stage", ss.build_fmu("stage", tmp_path))
+    path = ss.write_ssp(system, tmp_path / "push.ssp", stop=1.0, step=1e-3)
+    assert ss.read_ssp(path)[1] == ss.cosim.DefaultExperiment(stop=1.0, step=1e-3)
+    given = ss.cosim.DefaultExperiment(start=0.5, stop=3.0)
+    path = ss.write_ssp(system, path, given, stop=1.0)
+    assert ss.read_ssp(path)[1] == ss.cosim.DefaultExperiment(start=0.5, stop=1.0)
