@@ -46,14 +46,11 @@ def checked(function: F, *, always: bool = False) -> F:
     """
     name = function.__qualname__.removesuffix(".__init__")
     taken = signature(function)
+    names = [*taken.parameters]
     free = any(one.kind is Parameter.VAR_KEYWORD for one in taken.parameters.values())
 
     def require(args: tuple[object, ...], given: dict[str, object]) -> None:
-        try:
-            bound = taken.bind(*args, **given)
-        except TypeError:  # Python has told of a missing argument
-            return
-        for key, value in bound.arguments.items():
+        for key, value in (*zip(names, args, strict=False), *given.items()):
             if not _fits(value, _kind(function, key)):
                 kind = taken.parameters[key].annotation
                 expected = getattr(kind, "__name__", kind)
@@ -64,8 +61,8 @@ def checked(function: F, *, always: bool = False) -> F:
     def call(*args: object, **given: object) -> object:
         for key in given if not free else ():
             if key not in taken.parameters:
-                names = [one for one in taken.parameters if one != "self"]
-                raise TypeError(f"{name} has no argument {key!r}{suggestion(key, names)}")
+                known = [one for one in names if one != "self"]
+                raise TypeError(f"{name} has no argument {key!r}{suggestion(key, known)}")
         try:
             found = function(*args, **given)
         except Fault:
