@@ -1,6 +1,11 @@
-"""Files that others add to a folder: one that fails is left out, and hurts nothing else."""
+"""Files that others add: one that fails is left out, and hurts nothing else.
+
+They lie in the folders of the packages, in a clone, or in those of the user: ``laws``,
+``compensators``, ``algorithms``, ``formats`` and ``commands`` in ``own_folder()``.
+"""
 
 import logging
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
@@ -19,11 +24,20 @@ def left_out(path: Path, *faults: type[Exception]) -> Iterator[None]:
         logging.getLogger("stickslip").warning("%s is left out (%s); mend or remove it", path, why)
 
 
-def modules_of(package: str, folder: Path, *names: str) -> list[ModuleType]:
-    """Import the modules of a folder; those that fail or lack a name are left out."""
-    found = []
-    for each in iter_modules([str(folder)]):
-        with left_out(folder / f"{each.name}.py", Exception):
+def own_folder() -> Path:
+    """Return the folder of the user's additions: ``$STICKSLIP_ADDITIONS``, else in his home."""
+    return Path(os.environ.get("STICKSLIP_ADDITIONS") or Path.home() / ".stickslip").absolute()
+
+
+def modules_of(package: str, *names: str) -> list[ModuleType]:
+    """Import the modules of a package and of the user; those that fail or lack a name are not."""
+    found, paths = [], import_module(package).__path__
+    own = str(own_folder() / package.rpartition(".")[2])
+    if own not in paths:
+        paths.append(own)
+    for each in iter_modules(paths):
+        path = getattr(each.module_finder, "path", own)
+        with left_out(Path(path) / f"{each.name}.py", Exception):
             module = import_module(f"{package}.{each.name}")
             for name in names:
                 getattr(module, name)

@@ -34,7 +34,9 @@ def __getattr__(name: str) -> object:
     if _PLACE[name] == __name__:
         return import_module(f"{__name__}.{name}")
     value = getattr(import_module(_PLACE[name]), name)
-    globals()[name] = value
+    from stickslip.arguments import public  # late, as above
+
+    globals()[name] = value = public(value)
     return value
 
 

@@ -33,13 +33,21 @@ Units = Mapping[str, str]
 _MOST = 300  # samples of a delay: each costs as much as a state
 
 
-def linear(system: Any, **options: Any) -> cosim.Fmu:
+def linear(
+    system: Any,
+    *,
+    name: str | None = None,
+    units: Units | None = None,
+    x0: ArrayLike | None = None,
+    step: float | None = None,
+    held: bool = False,
+) -> cosim.Fmu:
     """Return a linear system as a component.
 
     Parameters
     ----------
     system : StateSpace or TransferFunction of python-control
-    options : of ``ss.export_lti``, such as ``units`` and ``x0``
+    name, units, x0, step, held : as of ``ss.export_lti``
 
     Raises
     ------
@@ -49,7 +57,7 @@ def linear(system: Any, **options: Any) -> cosim.Fmu:
     from stickslip.models import export_lti  # late, for those who add FMUs only
 
     with temporary_folder() as folder:
-        return kept(export_lti(system, folder, **options))
+        return kept(export_lti(system, folder, name=name, units=units, x0=x0, step=step, held=held))
 
 
 def kept(written: Path) -> cosim.Fmu:

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, NoReturn
 
 from stickslip.commandline import is_rare
 from stickslip.errors import settings_as_options
+from stickslip.fmi.additions import own_folder
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.messages import harmless, suggestion
 from stickslip.fmi.process import (
@@ -237,11 +238,13 @@ class Command(NamedTuple):
 def _commands() -> dict[str, Command]:
     """Return the commands by name, from the first line of their modules."""
     found, root = {}, Path(__file__).parent
-    for path in (path for place in _PLACES for path in root.glob(place)):
+    own = (own_folder() / "commands").glob("*.py")
+    for path in (*(path for place in _PLACES for path in root.glob(place)), *own):
         with path.open(encoding="utf-8") as file:
             line = _HELP.match(file.readline().rstrip())
         if line:
-            module = ".".join(("stickslip", *path.relative_to(root).with_suffix("").parts))
+            inside = path.relative_to(root if path.is_relative_to(root) else own_folder())
+            module = ".".join(("stickslip", *inside.with_suffix("").parts))
             found[line[1]] = Command(module, line[2])
     return dict(sorted(found.items()))
 

@@ -19,45 +19,52 @@ from typing import Any
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.messages import printable
 
-_COMMAND = "STICKSLIP_COMMAND"
+_STYLE = "STICKSLIP_SETTINGS"
 """Variable of the environment of a command, and of the processes that it starts."""
 _SETTING = re.compile(
     "<(column|compensator|confirm|controller|drive|encoder_step|evaluations|fixed|force"
-    "|friction_range|gain|law|motion|out|rated_force|rated_torque|resume|rig|sample_period|scale"
-    "|seconds|seed|seeds|span|stop|tunings|unit)(?: ([^<>]+))?>"
+    "|friction_range|gain|input|law|motion|out|rated_force|rated_torque|resume|rig|sample_period"
+    "|scale|seconds|seed|seeds|set|span|stop|tunings|unit)(?: ([^<>]+))?>"
 )
 
 _OTHERWISE = {
     "drive": "drives",
     "force": "force=True",
     "gain": "gains",
+    "input": "inputs",
     "out": "folder",
     "resume": "resume=True",
+    "set": "parameters",
 }
 """What is called in Python otherwise than by the word of its option."""
+_FIELDS = {
+    "fixed": "gains stay as they are",
+    "force": "write what is not recommended",
+    "gain": "gains",
+    "law": "Friction law",
+    "compensator": "Compensator",
+}
+"""What is called on the page of the workbench otherwise."""
 
 
 @contextmanager
 def settings_as_options() -> Iterator[None]:
     """Let messages name settings as options of the command line."""
-    name_options(yes=True)
+    name_settings("options")
     try:
         yield
     finally:
-        name_options(yes=False)
+        name_settings("keywords")
 
 
-def name_options(*, yes: bool) -> None:
-    """Let messages of this process name settings as options, or as keywords."""
-    if yes:
-        os.environ[_COMMAND] = "1"
-    else:
-        os.environ.pop(_COMMAND, None)
+def name_settings(style: str) -> None:
+    """Let messages of this process name settings as ``options``, ``keywords`` or ``fields``."""
+    os.environ[_STYLE] = style
 
 
-def names_options() -> bool:
-    """Tell whether messages name settings as options of the command line."""
-    return _COMMAND in os.environ
+def settings_style() -> str:
+    """Return how messages of this process name settings."""
+    return os.environ.get(_STYLE, "keywords")
 
 
 def with_settings(text: str) -> str:
@@ -65,9 +72,11 @@ def with_settings(text: str) -> str:
 
     ``<sample_period 0.01>`` is ``--sample-period 0.01`` or ``sample_period=0.01``, and
     ``<unit time=ms>`` is ``--unit time=ms`` or ``columns={"time": Column(unit="ms")}``. ``<out>``
-    is a folder, of a command that of ``--out``, and ``<resume>`` is ``resume=True`` in Python.
+    is a folder, of a command that of ``--out``, and ``<resume>`` is ``resume=True`` in Python. On
+    the page of the workbench settings are fields.
     """
-    return _SETTING.sub(_option if names_options() else _keyword, text)
+    styles = {"options": _option, "fields": _field}
+    return _SETTING.sub(styles.get(settings_style(), _keyword), text)
 
 
 def _option(found: re.Match[str]) -> str:
@@ -88,6 +97,16 @@ def _keyword(found: re.Match[str]) -> str:
     if name in ("confirm", "span") and value:
         return f"{name}=({', '.join(map(_literal, value.split()))},)"
     return f"{name}={_literal(value)}" if value else name
+
+
+def _field(found: re.Match[str]) -> str:
+    name, value = found.groups()
+    if name in ("column", "unit", "scale") and value:
+        role, _, text = value.partition("=")
+        of = "" if name == "column" else f"{name} of "
+        return f"{text} in the field '{of}{role.replace('_', ' ')}'"
+    label = f"the field '{_FIELDS.get(name, name.replace('_', ' '))}'"
+    return f"{value} in {label}" if value else label
 
 
 def _literal(value: str) -> str:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable
 from inspect import Parameter, signature
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, TypeVar
 
+from stickslip.arguments import checked
 from stickslip.cosim.system.system import System
 
 if TYPE_CHECKING:
@@ -62,16 +63,26 @@ DEFAULTS: dict[str, Any] = {
 F = TypeVar("F", bound=Callable[..., object])
 
 
-def named(options: type) -> Callable[[F], F]:
-    """Name keywords of a function in its signature in place of ``**options``, to be completed."""
+def named(options: type | Callable[..., object]) -> Callable[[F], F]:
+    """Name keywords of a function in its signature in place of ``**options``, to be completed.
+
+    They are the keys of a dictionary, or the keywords of another function.
+    """
+    if isinstance(options, type):
+        more = [
+            Parameter(name, Parameter.KEYWORD_ONLY, default=DEFAULTS[name]).replace(
+                annotation=kind.__forward_arg__
+            )
+            for name, kind in options.__annotations__.items()
+        ]
+    else:
+        every = signature(options).parameters.values()
+        more = [one for one in every if one.kind is one.KEYWORD_ONLY]
 
     def changed(function: F) -> F:
         own = signature(function)
         parameters = [one for one in own.parameters.values() if one.kind is not one.VAR_KEYWORD]
-        for name, kind in options.__annotations__.items():
-            one = Parameter(name, Parameter.KEYWORD_ONLY, default=DEFAULTS[name])
-            parameters.append(one.replace(annotation=kind.__forward_arg__))
-        vars(function)["__signature__"] = own.replace(parameters=parameters)
-        return function
+        vars(function)["__signature__"] = own.replace(parameters=[*parameters, *more])
+        return checked(function)
 
     return changed

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import warnings
 import zipfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -14,7 +15,8 @@ from stickslip import cosim
 from stickslip.cosim import ParameterError, Table
 from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.signals.tables import Inputs
-from stickslip.errors import UsageError, number
+from stickslip.cosim.ssp.structure import Package
+from stickslip.errors import UsageError, number, with_settings
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write
 from stickslip.keywords import RunOptions, named
@@ -51,6 +53,11 @@ def packed_input(package: Path) -> dict[str, Table]:
     return Table.all_from_csv(file) if file.is_file() else {}
 
 
+class IdleInputs(UserWarning):
+    """Inputs of a run get no signal."""
+
+
+_MOST = 8  # names in a warning
 _STEPS = 500  # of a run for which no step is proposed
 
 
@@ -90,6 +97,7 @@ def simulate(
     model.require_free(starts, signals)
     for name, value in starts.items():
         model.set(name, value)
+    model.warn_of_idle(signals)
     with model.prepare(**options) as simulation:
         return simulation.run(inputs=signals)
 
@@ -153,8 +161,7 @@ class Model:
         try:
             return self.system.prepare(start=start, stop=stop, step=step, record=record, **options)
         except cosim.ExperimentError as fault:
-            hint = "" if "tolerance" in str(fault) else "; see stop and step"
-            raise UsageError(f"{self.path}: {fault}{hint}") from fault
+            raise UsageError(f"{self.path}: {fault}") from fault
 
     def step(self, start: float, stop: float) -> float:
         """Return the step of a run from a start to a stop time [s].
@@ -190,6 +197,23 @@ class Model:
                     if not live and one not in system.parameters:
                         found[source or one] = (element.start, system.unit(one) or "")
         return found
+
+    def warn_of_idle(self, inputs: Iterable[str], *, components: bool = False) -> None:
+        """Warn of exposed inputs, and of ``components``, that nothing drives."""
+        found = {
+            name: start
+            for name, start in self.idle_inputs(inputs).items()
+            if components or name in self.system.inputs
+        }
+        if found:
+            shown = [f"{n} = {value} {unit}".rstrip() for n, (value, unit) in found.items()]
+            names = ", ".join(shown[:_MOST]) + (", ..." if len(found) > _MOST else "")
+            warnings.warn(
+                f"inputs that stay at their start values: {names};"
+                + with_settings(" give them signals by <input>, or constants by <set>"),
+                IdleInputs,
+                stacklevel=5,
+            )
 
     def record(
         self, names: cosim.Record | Iterable[str] | None, every: int = 1, keep: str = "all"

@@ -38,6 +38,7 @@ ROOMS_OF_STICKSLIP = (
     *("storage", "catalog", "servo", "presentation", "work", "compensators", "planning"),
     *("logs", "rigs", "identification", "evaluation", "tuning", "trial", "learned", "loops"),
     *(
+        "arguments",
         "keywords",
         "simulation",
         "contents",

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from stickslip import cli
+from stickslip.thresholds import harm, misfit
 
 ROOT = Path(__file__).parents[1]
 DECISIONS = sorted((ROOT / "docs" / "decisions").glob("[0-9]*.md"))
@@ -93,3 +94,18 @@ def test_commands_are_accepted(capsys):
                 refused.append(f"{name(path)}: stickslip {line}: {capsys.readouterr().err}")
     assert tried > 30
     assert not refused
+
+
+@pytest.mark.parametrize(
+    ("page", "told"),
+    [
+        ("learning-output.md", harm.rule()),
+        (
+            "results.md",
+            f"more than {misfit.EXPLAINED:g} times what noise and encoder steps explain",
+        ),
+        ("results.md", f"at most {misfit.NOTED:g} times what noise and encoder steps explain"),
+    ],
+)
+def test_a_rule_is_told_with_the_numbers_that_decide(page, told):
+    assert told in (ROOT / "docs" / page).read_text(encoding="utf-8")

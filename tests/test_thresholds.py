@@ -411,7 +411,7 @@ def stiffness(error):
 
 
 def tied(error):
-    """Return whether Coulomb-viscous friction is taken, whose error is larger by chance."""
+    """Return whether friction with F_s = F_c is taken, whose error is larger by chance."""
     squares = np.array([[1.0, 0.0], [0.0, error**2 + 1.0]]).repeat(20, axis=1)
     plain, other = (
         predicted("coulomb_stribeck", error, is_level=True),
@@ -978,7 +978,6 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "transfer.INTERVAL": (lambda: explained(0.2), False, True),
     "transfer.IN_COMMON": (lambda: raises(lambda: compared(0.3), Exception), False, True),
     "transfer.REPETITIONS": (lambda: parts(4), True, False),
-    "loop_fit.MODEL_ERROR": (lambda: "drive holds" in verdict(ratio=3.0), False, True),
     "loop_fit.RUNS_AWAY": (
         lambda: raises(lambda: require_bounded(np.full(9, 15.0), 1.0), Diverged),
         True,
@@ -1012,7 +1011,11 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "law_choice.EXPONENT/2": (lambda: search.select(fits(0.9)).fit.noise, 0.9, 1.0),
     "law_choice.EXPONENT_BIASED/2": (lambda: exponent(0.7), 0.7, 1.0),
     "misfit.NOTED": (lambda: choice.is_mismatch(unexplained(0.25, 0.1)), True, False),
-    "misfit.SPOILED": (lambda: warning(unexplained(0.3, 0.1)).spoils, "intervals", ""),
+    "misfit.EXPLAINED": (
+        lambda: (warning(unexplained(0.3, 0.1)).spoils, "drive holds" in verdict(ratio=3.0)),
+        ("intervals", False),
+        ("", True),
+    ),
     "misfit.SMALLEST": (lambda: choice.is_mismatch(unexplained(0.2, 0.1)), True, False),
     "misfit.BEATEN/2": (
         lambda: choice.is_beaten(unexplained(1.0, 1.0), [predicted("gms", 0.5)]),

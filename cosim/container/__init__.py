@@ -48,7 +48,7 @@ def write_fmu(
     outputs: Sequence[str] | None = None,
     parameters: Sequence[str] | None = None,
     experiment: DefaultExperiment | None = None,
-    platforms: Iterable[Platform] | None = None,
+    platforms: Iterable[Platform | str] | str | None = None,
 ) -> Path:
     """Write a system as one FMU for Co-Simulation and return its path.
 
@@ -64,7 +64,8 @@ def write_fmu(
     outputs, parameters : names or patterns (``drive.*``) of what the FMU shows of its components;
         by default the outputs of the system, or of all components, and all parameters
     experiment : the times it proposes
-    platforms : what to build for; this machine by default. Each component must have a binary there
+    platforms : what to build for, such as ``all``; this machine by default. Each component must
+        have a binary there
 
     Raises
     ------
@@ -89,7 +90,7 @@ def write_fmu(
     labels = {name: f"{system.name}: {name} ({fmu.path.name})" for name, fmu in components.items()}
     for name, fmu in components.items():
         _check(fmu, labels[name])
-    targets = list(platforms or [toolchain.host_platform()])
+    targets = toolchain.chosen_platforms(platforms)
     if loop := algebraic_loop(system, system.components):
         raise ConnectionFault(
             f"{system.name}: algebraic loop {' -> '.join(loop)}, which a container does not solve;"

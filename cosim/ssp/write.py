@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections import defaultdict
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import takewhile
 from pathlib import Path as File
 from typing import Any, Literal, NamedTuple
@@ -56,6 +57,9 @@ def write_ssp(
     path: str | os.PathLike[str],
     experiment: DefaultExperiment | None = None,
     *,
+    start: float | None = None,
+    stop: float | None = None,
+    step: float | None = None,
     version: Literal["1.0", "2.0"] | None = None,
 ) -> File:
     """Write a system with its FMUs, start values, units and times; return the path.
@@ -68,6 +72,7 @@ def write_ssp(
     system : to write
     path : of the ``.ssp`` file
     experiment : the times it proposes; of a system that was read, those of its package by default
+    start, stop, step : of the experiment, s, in place of it
     version : of SSP; of a system that was read, that of its package by default, else 1.0
 
     Raises
@@ -78,6 +83,9 @@ def write_ssp(
     """
     if version not in {None, *VERSIONS}:
         raise SspError(f"version is {version!r}, expected '1.0' or '2.0'")
+    times = {"start": start, "stop": stop, "step": step}
+    if given := {name: time for name, time in times.items() if time is not None}:
+        experiment = replace(experiment or DefaultExperiment(), **given)
     try:
         members = _members(system, experiment, version)
     except CosimError as fault:

@@ -15,6 +15,7 @@ from stickslip.fmi.toolchain.platforms import (
     ToolchainError,
     WrongExports,
     cache_directory,
+    chosen_platforms,
     host_platform,
 )
 
@@ -29,6 +30,7 @@ __all__ = [
     "WrongExports",
     "binaries",
     "cache_directory",
+    "chosen_platforms",
     "compiled_here",
     "compiler_version",
     "host_platform",

@@ -3,6 +3,7 @@
 import os
 import platform as machine
 import sys
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -68,6 +69,25 @@ PLATFORMS = {
 }
 _SYSTEMS = {"linux": "linux", "win32": "windows", "darwin": "darwin"}
 _PROCESSORS = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
+
+
+def chosen_platforms(given: Iterable[Platform | str] | str | None) -> list[Platform]:
+    """Return platforms, or those of names, ``host`` and ``all``, each once; the host for none.
+
+    Raises ToolchainError for another name.
+    """
+    known = {**PLATFORMS, "host": None}
+    found: list[Platform] = []
+    for one in [given] if isinstance(given, str) else given or ["host"]:
+        if one == "all":
+            found += PLATFORMS.values()
+        elif isinstance(one, Platform):
+            found.append(one)
+        elif one in known:
+            found.append(known[one] or host_platform())
+        else:
+            raise ToolchainError(f"platforms: expected all or of {', '.join(known)}, got {one!r}")
+    return list(dict.fromkeys(found))
 
 
 def host_platform() -> Platform:

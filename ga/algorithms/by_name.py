@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from stickslip.fmi.additions import modules_of
 from stickslip.ga.algorithms.genetic import GeneticAlgorithm
 from stickslip.ga.algorithms.optimiser import Optimiser
@@ -11,7 +9,7 @@ from stickslip.ga.algorithms.settings import DEFAULT, PRESETS, Limits
 from stickslip.ga.errors import SettingsError
 from stickslip.ga.problem.problem import Problem
 
-modules_of(__package__, Path(__file__).parent)
+modules_of(__package__)
 
 OTHERS: dict[str, type[Optimiser]] = {
     method.kind: method

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from stickslip.fmi.additions import own_folder
 from stickslip.models.errors import DescriptionError
 from stickslip.models.export.units import READ_IN, force_and_length, parameter_range
 
@@ -16,6 +17,11 @@ End = Literal["low", "high"]
 MODELS = Path(__file__).parents[1]
 _OPTIONAL = {"at_least", "spread", "shown_by", "requires", "weakest"}
 _KNOWLEDGE = {"symbol", "coordinate", "choices", *_OPTIONAL}
+
+
+def roots() -> tuple[Path, Path]:
+    """Return the folders that contain laws and models: of this package, and of the user."""
+    return MODELS, own_folder()
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from stickslip.models.errors import (
 )
 from stickslip.models.export import presentation, sources
 from stickslip.models.export.description import Model, read_model
-from stickslip.models.export.law import MODELS, Law, read_law, read_toml
+from stickslip.models.export.law import MODELS, Law, read_law, read_toml, roots
 from stickslip.models.export.model_description import model_description
 
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -37,7 +37,7 @@ def _folders() -> dict[str, Path]:
     """Return the folder of each model; a model.toml may give another name than its folder's."""
     found = {}
     for room in _ROOMS:
-        for path in (MODELS / room).glob("*/model.toml"):
+        for path in (path for root in roots() for path in (root / room).glob("*/model.toml")):
             with left_out(path, DescriptionError):
                 found[read_toml(path).get("name", path.parent.name)] = path.parent
     return dict(sorted(found.items()))
@@ -63,7 +63,8 @@ def _law_names() -> tuple[str, ...]:
 
 
 def _law_folders() -> list[Path]:
-    return sorted(path.parent for path in (MODELS / "laws").glob("*/law.toml"))
+    paths = (path for root in roots() for path in (root / "laws").glob("*/law.toml"))
+    return sorted((path.parent for path in paths), key=lambda folder: folder.name)
 
 
 def load_law(name: str) -> Law:
@@ -74,9 +75,10 @@ def load_law(name: str) -> Law:
     UnknownLaw, DescriptionError
         When there is no such law, or its law.toml is not well formed.
     """
-    if name not in [folder.name for folder in _law_folders()]:
+    folder = next((one for one in _law_folders() if one.name == name), None)
+    if folder is None:
         raise UnknownLaw(f"there is no friction law '{name}'{suggestion(name, law_names())}")
-    return read_law(MODELS / "laws" / name)
+    return read_law(folder)
 
 
 @cache
@@ -117,7 +119,7 @@ def build_fmu(
     folder: Path | str,
     *,
     fmi: sources.FmiVersion = 2,
-    platforms: Iterable[toolchain.Platform] | None = None,
+    platforms: Iterable[toolchain.Platform | str] | str | None = None,
     start: Mapping[str, float] | None = None,
     law: str | None = None,
     called: str | None = None,
@@ -132,7 +134,7 @@ def build_fmu(
     name : a model of ``model_names()``
     folder : is made if it is absent
     fmi : version of the standard
-    platforms : what to build for; this machine by default
+    platforms : what to build for, such as ``all``; this machine by default
     start : parameter -> start value, in the unit of model.toml, instead of the one there
     law : a friction law of ``law_names()`` in place of the model's default
     called : name of the file and of the model in it, by default ``name``
@@ -164,7 +166,7 @@ def pack_fmu(
     folder: Path | str,
     *,
     fmi: sources.FmiVersion = 2,
-    platforms: Iterable[toolchain.Platform] | None = None,
+    platforms: Iterable[toolchain.Platform | str] | str | None = None,
     reference: bool = False,
     terminals: bool = True,
 ) -> Path:
@@ -195,7 +197,7 @@ def pack_fmu(
     members |= toolchain.binaries(
         model.name,
         fmi,
-        platforms or [toolchain.host_platform()],
+        toolchain.chosen_platforms(platforms),
         lambda platform: blank_library(model, fmi, platform),
         lambda library: toolchain.patched(library, marker, start),
     )

@@ -11,7 +11,7 @@ from stickslip import fmi
 from stickslip.fmi.description import writing
 from stickslip.fmi.standard import standard_files
 from stickslip.models.export.description import Model, Role, Variable
-from stickslip.models.export.law import MODELS, Law
+from stickslip.models.export.law import MODELS, Law, roots
 
 _STRUCTS: dict[Role, str] = {
     "input": "Inputs",
@@ -166,6 +166,12 @@ def _phases(v: Variable) -> str:
     return before if v.role in ("state", "parameter") else "0"
 
 
+def _place(path: Path) -> str:
+    """Return the path of a C file in the source tree of an FMU."""
+    root = next(root for root in roots() if path.is_relative_to(root))
+    return path.relative_to(root).as_posix()
+
+
 FmiVersion = Literal[2, 3]
 FACES = Path(fmi.__file__).parent / "faces"
 START = "start.c"  # the token and the start values
@@ -188,7 +194,7 @@ def c_files(model: Model, fmi: FmiVersion) -> dict[str, str]:
         if not path.name.startswith(f"fmi{5 - fmi}")  # the other standard
     }
     return files | {
-        **{path.relative_to(MODELS).as_posix(): text(path) for path in shared_files(model)},
+        **{_place(path): text(path) for path in shared_files(model)},
         **{path.name: text(path) for path in sorted(model.folder.glob("*.[ch]"))},
         "variables.h": variables_header(model),
         "table.h": table_header(model),

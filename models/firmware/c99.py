@@ -87,6 +87,7 @@ _STRUCTS = dict(zip(_ROLES, ("Inputs", "Outputs", "Parameters", "States", "Memor
 _WHEN = {False: "Go h [s] ahead, h > 0", True: "Take a sample, once in each period T_s"}
 # with another form for 32 bits
 _ELEMENTARY = ("elementary_exp", "elementary_log", "elementary_sin", "nearest")
+FLOAT = "STICKSLIP_FLOAT"  # one name for all blocks, which pass their numbers to each other
 _NUMBER = r"\b(?:\d+\.\d*(?:e[+-]?\d+)?|\d+e[+-]?\d+)"
 _INITIALISERS = """\
 #ifdef __cplusplus
@@ -117,11 +118,11 @@ def _header(model: Model) -> str:
         " * No allocation, no globals, no library; a bounded number of steps. Freestanding C99, or",
         " * C++11.",
         " * In double bit for bit the FMU, where the compiler fuses no multiply-add.",
-        f" * Define {upper}_FLOAT, for all files alike, to compute in 32-bit floating point.\n *",
+        f" * Define {FLOAT}, for all files alike, to compute in 32-bit floating point.\n *",
         *(f" * {line}".rstrip() for line in formulas(model)),
         f" */\n#ifndef {upper}_H\n#define {upper}_H",
         '\n#include <stdbool.h>\n\n#ifdef __cplusplus\nextern "C" {\n#endif\n',
-        f"#ifdef {upper}_FLOAT\ntypedef float {name}_real;",
+        f"#ifdef {FLOAT}\ntypedef float {name}_real;",
         f"#else\ntypedef double {name}_real;\n#endif",
     ]
     for role, variables in members.items():
@@ -142,7 +143,7 @@ def _header(model: Model) -> str:
 
 
 def _source(model: Model) -> str:
-    name, upper, struct = model.name, model.name.upper(), struct_name(model)
+    name, struct = model.name, struct_name(model)
     sources = [*shared_files(model), model.folder / "model.c"]
     texts = [path.read_text(encoding="utf-8") for path in sources]
     found = pieces([*texts, law_scaled(model.law) if model.law else ""])
@@ -177,7 +178,7 @@ def _source(model: Model) -> str:
             _INITIALISERS,
             "\n".join(f"typedef struct {struct}{s} {s};" for s in _STRUCTS.values()) + law,
             *(_translated(found[piece]) for piece in shared),
-            f"#ifdef {upper}_FLOAT",
+            f"#ifdef {FLOAT}",
             *(single[piece] for piece in needed(single, used)),
             "#else",
             *(_translated(found[piece]) for piece in elementary),

@@ -130,7 +130,7 @@ def export_lti(
     stop: float | None = None,
     held: bool = False,
     fmi: FmiVersion = 2,
-    platforms: Iterable[Platform] | None = None,
+    platforms: Iterable[Platform | str] | str | None = None,
 ) -> Path:
     """Write a linear system as an FMU, ``folder/NAME.fmu``, and return the path.
 

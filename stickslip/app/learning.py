@@ -13,7 +13,7 @@ import stickslip as ss
 from stickslip.app import charts, jobs
 from stickslip.app.jobs import FAULTS, message_of
 from stickslip.app.shown import QUIET, attempt, chart, follow, lines_of, told
-from stickslip.app.workbench import LOGS, Workbench
+from stickslip.app.workbench import Workbench
 
 
 def number(text: Any) -> Any:
@@ -107,7 +107,7 @@ def learn_part(work: Workbench) -> None:
     """Choose logs of a drive, correct what their columns mean, and learn from them together."""
     form = LogForm()
     with ui.row().classes("w-full items-end gap-4"):
-        log = ui.select(work.files(LOGS), label="Logs", multiple=True, with_input=True)
+        log = ui.select(work.logs(), label="Logs", multiple=True, with_input=True)
         log.classes("grow min-w-60").props("use-chips")
         config = ui.select({}, label="Description (TOML)", clearable=True).classes("w-56")
 
@@ -120,13 +120,13 @@ def learn_part(work: Workbench) -> None:
             await event.file.save(path)
             upload.reset()
             ui.notify(f"saved as {path}")
-            logs = work.files(LOGS)
+            logs = work.logs()
             log.set_options(logs, value=[*log.value, *{str(path)}.intersection(logs)])
 
         upload = ui.upload(on_upload=uploaded, auto_upload=True, multiple=True)
         upload.props("flat bordered label='Drop logs here'").classes("w-56")
-    body = ui.column().classes("w-full")
     outcome = ui.column().classes("w-full")
+    body = ui.column().classes("w-full")
     with body:
         ui.label(
             f"Choose one or several logs of a drive in {work.folder}, or drop them: they are saved"
@@ -155,16 +155,18 @@ def learn_part(work: Workbench) -> None:
         names = await attempt(ss.log_columns, log.value[0], base) or {}
         body.clear()
         with body:
-            form.build(base, names)
-            ui.button("Check", icon="rule", on_click=lambda: check())
-            found = ui.column().classes("w-full gap-1")
             with ui.row().classes("w-full items-end gap-4"):
+                ui.button("Check", icon="rule", on_click=lambda: check())
+                ui.button("Learn", icon="play_arrow", on_click=lambda: begin())
                 laws = ["auto", *ss.law_names()]
                 law = ui.select(laws, label="Friction law", value="auto").classes("w-40")
                 compensator = ui.input("Compensator", value="auto").classes("w-32")
                 fixed = ui.checkbox("gains stay as they are")
                 force = ui.checkbox("write what is not recommended")
-                ui.button("Learn", icon="play_arrow", on_click=lambda: begin())
+            found = ui.column().classes("w-full gap-1")
+            with ui.expansion("Columns and controller", value=True).classes("w-full"):
+                form.build(base, names)
+            signals = ui.column().classes("w-full")
 
         def begin() -> None:
             try:
@@ -185,6 +187,7 @@ def learn_part(work: Workbench) -> None:
 
         async def check() -> None:
             found.clear()
+            signals.clear()
             with found:
                 spinner = ui.spinner()
                 try:
@@ -198,11 +201,12 @@ def learn_part(work: Workbench) -> None:
                 finally:
                     spinner.delete()
                 form.detected(checked[0][0])
-                for name in ("position", "velocity", "force"):
-                    draw(name, [reading.recording for reading, _ in checked])
                 for reading, findings in checked:
                     ui.label(reading.recording.source).classes(QUIET)
                     lines_of(map(str, findings))
+            with signals:
+                for name in ("position", "velocity", "force"):
+                    draw(name, [reading.recording for reading, _ in checked])
 
         def draw(name: str, recordings: list[Any]) -> None:
             shown = [one for one in recordings if getattr(one, name) is not None]

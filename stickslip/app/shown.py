@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import shutil
 import tempfile
 from collections.abc import Awaitable, Callable, Iterable
 from functools import partial
@@ -16,6 +18,7 @@ from stickslip.app.workbench import LEARNED, Workbench
 
 EVERY = 0.4  # time between two looks at a job [s]
 QUIET = "text-sm opacity-70"
+DEPLOY = "deploy"  # the folder of what goes to the controller
 PAGES = ("report.html", "arena.html")
 
 
@@ -112,24 +115,48 @@ def show_results(work: Workbench, name: str, job: Job | None = None) -> None:
         ui.label(name).classes("font-bold")
         if job is not None and job.error:
             lines_of([f"error: {job.error}"])
-        if job is not None and job.result:
-            lines_of(job.result)
+        learned = next((folder / one for one in LEARNED if (folder / one).exists()), None)
+        if learned:
+            verdict(learned)
         if not folder.is_dir():
             return
-        learned = next((folder / one for one in LEARNED if (folder / one).exists()), None)
         with ui.row().classes("gap-2 items-center"):
+            if (folder / DEPLOY).is_dir():
+                _download(DEPLOY, partial(packed, folder / DEPLOY, name))
             for file in sorted(folder.glob("*.fmu")):
                 _download(file.name, partial(ui.download.file, file))
                 if learned:
                     for form in ("c", "st"):
                         export = _exports(learned, file.stem, form)
                         _download(f"{file.stem}: {form.upper()}", export)
+        if job is not None and job.result:
+            with ui.expansion("Details").classes("w-full"):
+                lines_of(job.result)
         with ui.expansion("All files").classes("w-full"):
             for path in sorted(folder.rglob("*")):
                 if path.is_file():
                     shown = str(path.relative_to(folder))
                     ui.link(shown, f"/files/{name}/{shown}", new_tab=True)
         report(folder)
+
+
+def verdict(learned: Path) -> None:
+    """Show what is to be known first of what was learned."""
+    found = json.loads(learned.read_text(encoding="utf-8")).get("verdict")
+    if not found:
+        return
+    ui.label(found["headline"]).classes("font-medium")
+    with ui.grid().classes("w-full gap-x-4 gap-y-1 grid-cols-[auto_1fr]"):
+        for label, text in found.get("lines", ()):
+            ui.label(label.capitalize()).classes(QUIET)
+            ui.label(text).classes("min-w-0 break-words")
+
+
+def packed(folder: Path, name: str) -> None:
+    """Download a folder as one file."""
+    with tempfile.TemporaryDirectory() as place:
+        file = shutil.make_archive(str(Path(place) / "packed"), "zip", folder)
+        ui.download.content(Path(file).read_bytes(), f"{name}-{folder.name}.zip")
 
 
 def report(folder: Path) -> None:
@@ -164,5 +191,5 @@ def follow(work: Workbench, job: Job, place: ui.element) -> None:
 
     place.clear()
     with place:
+        results = ui.column().classes("w-full")  # what is to be known first, above its course
         show_job(job, ended)
-        results = ui.column().classes("w-full")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +35,16 @@ class Workbench:
                 if suffix in suffixes and not path.name.startswith("."):
                     found[str(path)] = str(path.relative_to(self.folder))
         return found
+
+    def logs(self) -> dict[str, str]:
+        """Return the files that may be logs: of results those that have a description."""
+        found, results = self.files(LOGS), set[Path]()
+        for place in {Path(path).parent for path in found}:
+            with suppress(OSError, ValueError, KeyError):
+                names = json.loads((place / "manifest.json").read_text(encoding="utf-8"))["sha256"]
+                results |= {place / name for name in names}
+        described = {path for path in results if path.with_suffix(".toml") in results}
+        return {path: name for path, name in found.items() if Path(path) not in results - described}
 
     def results(self, *names: str) -> list[str]:
         """Return the folders of results that have one of some files, the newest first."""

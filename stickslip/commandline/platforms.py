@@ -1,15 +1,14 @@
 """The options of an FMU that is written: ``--platform``, ``--fmi`` and ``--out``."""
 
 import argparse
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from stickslip.fmi.toolchain import PLATFORMS, Platform, host_platform
+from stickslip.fmi.toolchain import PLATFORMS
 
 
 def add_platform_option(parser: argparse.ArgumentParser, default: str = "all") -> None:
-    """Declare the option; ``parse_platforms`` reads its value."""
+    """Declare the option."""
     parser.add_argument(
         "--platform",
         nargs="+",
@@ -31,12 +30,4 @@ def add_fmu_options(
 
 def fmu_options(options: argparse.Namespace) -> dict[str, Any]:
     """Return version and platforms as the functions that write FMUs take them."""
-    return {"fmi": int(options.fmi), "platforms": parse_platforms(options.platform)}
-
-
-def parse_platforms(names: Sequence[str]) -> list[Platform]:
-    """Return the platforms by name, each once."""
-    if "all" in names:
-        return list(PLATFORMS.values())
-    found = (host_platform() if name == "host" else PLATFORMS[name] for name in names)
-    return list(dict.fromkeys(found))
+    return {"fmi": int(options.fmi), "platforms": options.platform}

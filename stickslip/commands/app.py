@@ -8,7 +8,7 @@ import webbrowser
 from pathlib import Path
 
 from stickslip.commandline import FLAG, add_options
-from stickslip.errors import UsageError
+from stickslip.errors import UsageError, name_settings
 from stickslip.output import Answer
 
 
@@ -49,6 +49,7 @@ def run(options: argparse.Namespace) -> Answer:
         if not options.no_browser:
             webbrowser.open(address)
 
+    name_settings("fields")
     try:
         serve(options.folder.resolve(), options.port, announce)
     except OSError as fault:

@@ -12,7 +12,7 @@ from typing import Any
 
 from stickslip import models
 from stickslip.commandline import FLAG, add_options, complete_with
-from stickslip.commandline.platforms import add_platform_option, parse_platforms
+from stickslip.commandline.platforms import add_platform_option
 from stickslip.errors import UsageError
 from stickslip.fmi.process import Threads
 from stickslip.output import Answer
@@ -37,7 +37,6 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> Answer:
     """Build and print the paths: DIR/NAME.fmu, or DIR/fmi2 and DIR/fmi3 for both versions."""
-    platforms = parse_platforms(options.platform)
     versions = [version for version in VERSIONS if options.fmi in (str(version), "both")]
     names = options.models or [
         name for name in models.model_names() if not options.law or models.load_model(name).law
@@ -55,7 +54,7 @@ def run(options: argparse.Namespace) -> Answer:
             name,
             folders[version],
             fmi=version,
-            platforms=platforms,
+            platforms=options.platform,
             terminals=version == 3 or not options.no_terminals,
             **given,
         )

@@ -10,6 +10,7 @@ import argparse
 import io
 import json
 import sys
+import warnings
 from collections.abc import Mapping
 from contextlib import ExitStack
 from importlib.util import find_spec
@@ -72,7 +73,6 @@ LIBRARIES = {".parquet": ("pyarrow", "parquet"), ".xlsx": ("openpyxl", "excel")}
 """What a suffix needs, and the extra that installs it."""
 SIGNAL = ("signal", "unit", "min", "max", "end")
 WINDOW = Path()
-_MOST = 8  # names in a warning
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -213,13 +213,11 @@ def _warn(
     options: argparse.Namespace, model: Model, inputs: Mapping[str, object], step: float
 ) -> None:
     """Warn of inputs without values, and name what was chosen where nothing was proposed."""
-    if idle := model.idle_inputs(inputs):
-        shown = [f"{n} = {value} {unit}".rstrip() for n, (value, unit) in idle.items()]
-        names = ", ".join(shown[:_MOST]) + (", ..." if len(idle) > _MOST else "")
-        warn(
-            f"inputs that stay at their start values: {names}; give them signals by --input "
-            "FILE.csv, or constants by --set"
-        )
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        model.warn_of_idle(inputs, components=True)
+    for one in caught:
+        warn(str(one.message))
     if not options.record and not model.has_outputs:
         warn(f"{options.file}: there are no outputs; local variables are recorded")
     if options.step is None and model.experiment.step is None:

@@ -1,7 +1,7 @@
 """The roles of a log's columns: from its description, or detected from common names."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from stickslip.errors import RecordingError
 from stickslip.logs.description import ROLES, Description
@@ -153,10 +153,11 @@ def assign_roles(table: LogTable, description: Description) -> tuple[dict[str, s
         found[role] = name
     if not table.headed:
         return found, []
+    remarks = [*_contradictions(found)]
     open_roles = [role for role in ROLES if description.column(role).name is None]
     guesses = _guesses(table, open_roles, set(found.values()), description)
     if not guesses:
-        return found, []
+        return found, remarks
     used = {*found.values(), *guesses.values()}
     rest = [name for name in table.names if name not in used]
     figure = ", ".join(f"{role} = {name}" for role, name in guesses.items())
@@ -165,7 +166,7 @@ def assign_roles(table: LogTable, description: Description) -> tuple[dict[str, s
         figure = f"{figure}; not used: {', '.join([*rest[:_SHOWN], *more])}"
     advice = "<column ROLE=NAME> overrides one, <column ROLE=none> omits it"
     what = "columns detected by their names and units"
-    remarks = [Finding("note", what, figure, advice)]
+    remarks.append(Finding("note", what, figure, advice))
     if "force_command" in guesses and not {"force", "friction"} & {*found, *guesses}:
         what = f"'{guesses['force_command']}' is a set point of the force, not a measured one"
         advice = "log the force or the current; <column force=none> leaves it out"
@@ -207,6 +208,16 @@ def _distinct(table: LogTable, names: list[str]) -> list[str]:
         for name in reversed(names)
     }
     return sorted(columns.values(), key=names.index)
+
+
+def _contradictions(given: Mapping[str, str]) -> Iterator[Finding]:
+    """Yield a warning for each column that is given a role of another quantity than its name."""
+    for role, name in given.items():
+        named, rank = role_named(name) or (role, _SYMBOL)
+        if rank != _SYMBOL and quantity_key(named) != quantity_key(role):
+            what = f"column '{name}' is read as {role}, but its name is that of a {named}"
+            advice = f"if that is not meant, leave out <column {role}={name}>"
+            yield Finding("warning", what, advice=advice)
 
 
 def is_time(name: str) -> bool:

@@ -25,6 +25,7 @@ from uuid import uuid4
 from stickslip.errors import ResultsError
 from stickslip.fmi.files import atomic_write, sync_folder
 from stickslip.fmi.process import held
+from stickslip.output import LOG
 from stickslip.storage.locking import PREFIX, WRITING, is_locked, locked
 from stickslip.storage.manifest import (
     MANIFEST,
@@ -43,13 +44,16 @@ UNFINISHED = "unfinished"  # The folder of what a command with many jobs has fou
 def reserved(folder: Path | None, names: Collection[str]) -> Iterator[None]:
     """Lock a folder for a command that will write these files there, before it computes them.
 
-    None locks nothing. Raises UsageError when one of the files is the user's, the folder cannot be
-    written, or another process has locked it.
+    That they replace earlier ones is told. None locks nothing. Raises UsageError when one of the
+    files is the user's, the folder cannot be written, or another process has locked it.
     """
     with locked(folder):
         if folder is not None:
             complete(folder)
             refuse_foreign(folder, names)
+            with suppress(ResultsError):  # a folder without manifest
+                if not Manifest.read(folder).sha256.keys().isdisjoint(names):
+                    LOG.warning("%s: has results of an earlier run, which are replaced", folder)
         yield
 
 

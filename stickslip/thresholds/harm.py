@@ -51,6 +51,15 @@ PROMISED = Threshold(2.0, "docs/measurements/sound-drives.md: 168 of 190 true ra
 drives: they have the laws that explain the log, not its own."""
 
 
+def rule() -> str:
+    """Return when a compensator is acceptable: in each motion and at each level of friction."""
+    return (
+        f"its error is at most {WORSE:g} times that without it on half of the drives, {MORE:g} "
+        f"times on {100.0 * DRIVES:g} % of them, and {SCATTER:g} times on all; and on no drive "
+        "does the error grow by more than it falls in the mean"
+    )
+
+
 def levels() -> tuple[float, float]:
     """Return the least and the largest friction that a drive may come to have."""
     return FALLS, GROWS

@@ -7,7 +7,7 @@ TIE = Threshold(2.0, "decision 60")
 MARGIN = Threshold(0.98, "decision 60")
 """Ratio of two errors above which they are tied in any case."""
 STATIC = Threshold(1.02)
-"""Held-out error over that of the better of Coulomb-viscous and Coulomb-Stribeck friction, above
+"""Held-out error over that of Coulomb-Stribeck friction, with F_s = F_c where that is better, above
 which a law is not chosen, whatever the standard error."""
 UNIDENTIFIED = Threshold(0.7, "decision 60: 0.87 to 0.92 on EMPS, where no parameter is identified")
 """Error over Coulomb's below which a law takes part though none of its parameters is identified;

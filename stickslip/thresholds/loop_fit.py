@@ -2,9 +2,6 @@
 
 from stickslip.thresholds import Threshold
 
-MODEL_ERROR = Threshold(2.0, "decision 25")
-"""Error of a simulated loop, over that of encoder and noise, above which the drive is another one:
-the force decides instead, or there is a warning; ``validate`` calls an error up to it explained."""
 RUNS_AWAY = Threshold(10.0, "below 4 where a loop follows its command, or sticks and slips on it")
 """Peak of a simulated velocity over the largest commanded one, above which the run has failed."""
 DELAY_AT_BOUND = Threshold(0.01, unit="samples")

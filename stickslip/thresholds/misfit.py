@@ -4,8 +4,9 @@ from stickslip.thresholds import Threshold
 
 NOTED = Threshold(1.5, "decision 60")
 """Error where a law was not fitted, over that of noise, above which there is a warning."""
-SPOILED = Threshold(2.0, "decision 60")
-"""The same ratio above which the intervals do not hold either."""
+EXPLAINED = Threshold(2.0, "decisions 25, 60 and 156")
+"""The same ratio, of a force, a simulated loop or another log, above which the drive is not
+explained: no interval holds, values are coarse, and the ratio is told wherever they are used."""
 SMALLEST = Threshold(0.02, "decision 60")
 """Unexplained force, as a share of the measured one, up to which there is no warning."""
 BEATEN = Threshold(0.7)
@@ -15,3 +16,8 @@ LARGE = Threshold(0.1, "decision 60")
 """Error as a share of the force above which the other laws are tried in any case."""
 LIKELY = Threshold(0.5)
 """Share of the unexplained mean square that a cause removes above which it is the likely one."""
+
+
+def excess(ratio: float, by: str = "noise and encoder steps") -> str:
+    """Return an error in words, over the one that is explained ``by`` something."""
+    return f"{ratio:.2g} times what {by} explain (at most {EXPLAINED:g} is good)"

@@ -38,7 +38,12 @@ class Loops(NamedTuple):
 
     plain: VelocityLoop  # without compensation
     compensated: VelocityLoop  # in which the compensator runs
-    known: bool = True  # whether the drive runs in them, and not only the trial
+    foreign: str = ""  # why the drive does not run in them; empty where it does
+
+    @property
+    def known(self) -> bool:
+        """Whether the drive runs in them, and not only the trial."""
+        return not self.foreign
 
 
 @dataclass(frozen=True)
@@ -334,11 +339,15 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
     axis = Axis(known["m"].value, max(known["b"].value, 0.0), reading.tau_i or 0.0, rotary)
     T_s = estimation.recording.T_s
     check = estimation.controller
-    rejected = check is not None and check.error > control_match.EXACT
-    if controller.K_p and not (controller.P_x or controller.I_x or rejected):
+    foreign = "its controller is not known; <controller> and <gain> give it"
+    if controller.P_x or controller.I_x:
+        foreign = "its controller has gains P_x or I_x of the position, which the trial has not"
+    elif check is not None and check.error > control_match.EXACT:
+        foreign = f"its controller differs from the logged force by {100.0 * check.error:.2g} %"
+    elif controller.K_p:
         gains = {name: getattr(controller, name) for name in ("tau_f", "K_p", "K_i", "K_x")}
         share = controller.velocity_feedforward
-        with suppress(ControlError):
+        try:
             loop = close_velocity_loop(
                 axis,
                 controller.T_s or T_s,
@@ -346,17 +355,19 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
                 velocity_feedforward=1.0 if share is None else share,
             )
             return Loops(loop, loop)
+        except ControlError as error:
+            foreign = f"it cannot be closed around the learned drive: {error}"
     if shown := shown_gains(reading.recording):
         K_p, K_i = shown
         with suppress(ControlError):
             loop = close_velocity_loop(axis, T_s, T_s, K_p, K_i=K_i)
-            return Loops(loop, loop, known=False)
+            return Loops(loop, loop, foreign)
     slower, margin = 1.0, LOOP.phase_margin
     if reading.recording.velocity_command is not None:
         slower, margin = CAUTIOUS
     bandwidth = slower * LOOP.bandwidth * LOOP.T_s / T_s
     loop = design_velocity_loop(axis, LoopSpecification(bandwidth, margin, T_s, T_s))
-    return Loops(loop, loop, known=False)
+    return Loops(loop, loop, foreign)
 
 
 def shown_gains(recording: Recording) -> tuple[float, float] | None:

@@ -15,7 +15,7 @@ from typing import TypeVar
 from threadpoolctl import threadpool_limits
 
 from stickslip import ga
-from stickslip.errors import StickslipError, name_options, names_options, with_settings
+from stickslip.errors import StickslipError, name_settings, settings_style, with_settings
 from stickslip.fmi.process import Threads, cancel_all, interrupted_by, interruptible, wait_first
 from stickslip.ga.execution.evaluation import ALONE, DIED, received
 
@@ -64,9 +64,9 @@ class _Stop(StickslipError):
     """Unwinds a job in a thread after Ctrl-C."""
 
 
-def _worded(options: bool, job: Job, *given: object) -> Outcome:
-    """Do a job whose messages are those of a command, or of Python, on whatever machine."""
-    name_options(yes=options)
+def _worded(style: str, job: Job, *given: object) -> Outcome:
+    """Do a job whose messages are those of a command, a page or Python, on whatever machine."""
+    name_settings(style)
     return job(*given)
 
 
@@ -105,7 +105,7 @@ def run_jobs(
             return 2 * getattr(executor, "parts", 0) or workers
 
         def submit(item: Item) -> Future[Outcome]:
-            return executor.submit(_worded, names_options(), job, item, seed, *further)
+            return executor.submit(_worded, settings_style(), job, item, seed, *further)
 
         try:
             suspects = _together(submit, items, at_once, on_done)

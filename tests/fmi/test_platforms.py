@@ -45,6 +45,15 @@ def test_an_unknown_host_is_named(monkeypatch):
         host_platform()
 
 
+def test_platforms_are_chosen_by_name_and_each_once():
+    every, host = [*PLATFORMS.values()], host_platform()
+    assert toolchain.chosen_platforms(None) == toolchain.chosen_platforms("host") == [host]
+    assert toolchain.chosen_platforms("all") == every
+    assert toolchain.chosen_platforms(["host", host, host.tuple]) == [host]
+    with pytest.raises(ToolchainError, match=r"expected all or of .*, host, got 'amiga'"):
+        toolchain.chosen_platforms(["amiga"])
+
+
 @pytest.mark.parametrize(
     ("system", "variable", "place"),
     [

@@ -112,6 +112,19 @@ def test_a_setting_is_an_option_or_a_keyword(text, option, keyword):
         assert str(UsageError(text)) == Finding("note", "", advice=text).advice == option
 
 
+@pytest.mark.parametrize(
+    ("text", "field"),
+    [
+        ("give <column time=NAME>", "give NAME in the field 'time'"),
+        ("<unit encoder_step=mm> or <gain>", "mm in the field 'unit of encoder step' or the field"),
+        ("give <law auto>", "give auto in the field 'Friction law'"),
+    ],
+)
+def test_a_setting_is_a_field_in_the_workbench(monkeypatch, text, field):
+    monkeypatch.setenv(errors._STYLE, "fields")
+    assert field in str(UsageError(text))
+
+
 def test_every_setting_is_one_of_both():
     names = re.search(r"<\((.*?)\)", errors._SETTING.pattern)[1].split("|")
     keywords = {one.name for kind in (ss.Description, ss.LearnSettings) for one in fields(kind)}

@@ -1,6 +1,7 @@
 """Sweeps and searches over parameters, against the closed form of a sliding mass."""
 
 import os
+import warnings
 
 import numpy as np
 import pandas as pd
@@ -8,6 +9,7 @@ import pytest
 
 import stickslip as ss
 from stickslip.ga.execution.evaluation import DIED
+from stickslip.simulation import IdleInputs
 from tests.cosim.single import one
 
 M, B, PUSH, STOP = 5.557, 6.6135, 12.0, 0.5
@@ -137,6 +139,15 @@ def test_a_run_whose_process_dies_leaves_the_others_of_its_batch(stage):
     assert found["end"][0] == found["end"][1]
     with pytest.raises(ss.Fault, match="worker process that ran it died; no run gave a figure"):
         ss.sweep(stage, {"F_c": [0.5]}, figures, where="processes", **RUN)
+
+
+def test_a_run_warns_of_inputs_that_nothing_drives(stage):
+    with pytest.warns(IdleInputs, match=r"u = 0\S* .*by inputs, or constants by parameters"):
+        ss.simulate(stage, stop=0.1, step=1e-3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ss.simulate(stage, stop=0.1, step=1e-3, inputs={"u": 1.0})
+        ss.simulate(stage, stop=0.1, step=1e-3, parameters={"u": 1.0})
 
 
 def test_a_start_value_that_something_overrules_is_refused(stage):

@@ -24,7 +24,7 @@ from stickslip.identification.selection import (
 from stickslip.identification.selection.choice import Cause, along_the_travel, is_large, mismatch
 from stickslip.identification.selection.prediction import held_out
 from stickslip.logs import Finding
-from stickslip.thresholds import loop_fit
+from stickslip.thresholds import loop_fit, misfit
 
 SLIDING = 0.3  # share of the highest speed above which the drive slides
 LIKE = 40  # classes of velocity
@@ -51,9 +51,9 @@ def found_faults(
         what = "the delay of the force ends at the bound of the fit"
         yield Finding("warning", what, figure, advice, spoils="intervals")
     law = u.law
-    if criterion == OutputError.name and not law.is_smooth and model_error > loop_fit.MODEL_ERROR:
+    if criterion == OutputError.name and not law.is_smooth and model_error > misfit.EXPLAINED:
         what = f"the simulated loop with the law {law.title} does not follow the recording"
-        figure = f"its residual is {model_error:.2g} times what encoder and noise explain"
+        figure = f"its residual is {misfit.excess(model_error)}"
         yield Finding("warning", what, figure, "take the values as coarse", spoils="intervals")
     drift, error = change
     if abs(drift) > max(loop_fit.CHANGE, loop_fit.CHANGE_CERTAIN * error):

@@ -73,7 +73,7 @@ from stickslip.identification.fitting.start import Start, begin
 from stickslip.identification.sliding.friction_curve import VARYING, Interval
 from stickslip.output import SILENT, Progress, step
 from stickslip.servo.measurement import Array
-from stickslip.thresholds import control_match, curve_shown, law_choice, loop_fit
+from stickslip.thresholds import control_match, curve_shown, law_choice, misfit
 
 UNEXPLAINED = 4.0  # residual of the loop, over steps and noise, above which it is fitted again
 BASIN = 1e-2  # relative change of the squares at which a fit to find a minimum ends
@@ -203,11 +203,8 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
 
 def _not_explained(corrected: UnbiasedFit, start: Start) -> str:
     """Return why the simulated loop does not explain the recording; empty if it does."""
-    if corrected.model_error > loop_fit.MODEL_ERROR:
-        return (
-            f"the loop's residual is {corrected.model_error:.2g} times what encoder and noise "
-            "explain"
-        )
+    if corrected.model_error > misfit.EXPLAINED:
+        return f"the loop's residual is {misfit.excess(corrected.model_error)}"
     apart = start.disagreement(corrected.fit.parameters)
     if apart > curve_shown.CONTRADICTED:
         return (

@@ -72,7 +72,7 @@ def mismatch(
     tested = sorted((*causes, *another), key=lambda cause: cause.left)
     figure = (
         f"error of {found.force:.3g} {unit} where it was not fitted, {100.0 * found.relative:.2g} "
-        f"% of the force; noise and steps explain {found.explained:.3g} {unit}"
+        f"% of the force and {misfit.excess(found.ratio)}"
     )
     if tested:
         left = ", ".join(f"{cause.name} leaves {cause.left:.3g} {unit}" for cause in tested)
@@ -84,7 +84,7 @@ def mismatch(
         f"the law {found.candidate.title} does not explain the force",
         figure,
         advice,
-        spoils="intervals" if is_beaten(found, others) or found.ratio > misfit.SPOILED else "",
+        spoils="intervals" if is_beaten(found, others) or found.ratio > misfit.EXPLAINED else "",
     )
 
 

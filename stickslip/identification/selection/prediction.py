@@ -46,8 +46,11 @@ class Candidate:
 
     @property
     def title(self) -> str:
-        """The display name."""
-        return "Coulomb-viscous" if self.is_level else self.law.title
+        """The display name: that of law.toml, and what is held."""
+        if not self.is_level:
+            return self.law.title
+        held = (f"{name} = {bound}" for name, bound in ParameterSpace.of(self.law).bounded.items())
+        return f"{self.law.title} with {', '.join(held)}"
 
     def restricted(self, space: ParameterSpace) -> ParameterSpace:
         """Return the space in which this candidate is estimated."""
@@ -57,7 +60,7 @@ class Candidate:
 def candidates() -> tuple[Candidate, ...]:
     """Return Coulomb and viscous friction alone, then the laws with ``candidate``, LuGre first.
 
-    Coulomb-viscous is the level case of a law that has a static curve and no presliding.
+    The first is the level case of a law that has a static curve and no presliding.
     """
     every = map(friction_law, dict.fromkeys(("lugre", *models.law_names())))
     laws = [law for law in every if law.is_candidate]

@@ -35,7 +35,7 @@ _FOREIGN = {
     b"\xd0\xcf\x11\xe0": "a workbook of Excel 97; save it as .xlsx",
     b"%PDF": "a PDF document",
 }
-_FORMATS = modules_of(__name__, Path(__file__).parent, "TITLE", "SUFFIXES", "BEGINS")
+_FORMATS = modules_of(__name__, "TITLE", "SUFFIXES", "BEGINS")
 SUFFIXES = tuple(suffix for each in _FORMATS for suffix in each.SUFFIXES)
 
 

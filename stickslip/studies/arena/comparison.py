@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from stickslip.compensators.entrants import default_names, own_part
 from stickslip.errors import UsageError
 from stickslip.fmi.process import temporary_folder
+from stickslip.keywords import named
 from stickslip.storage import reserved
 from stickslip.studies.arena import STARTS, TUNINGS, Budget
 from stickslip.studies.arena.drive_names import require_drives
@@ -147,6 +148,7 @@ class Comparison:
         return folder
 
 
+@named(make_plan)
 def arena(
     compensators: Sequence[str] | None = None,
     drives: Path | str | Mapping[str, Mapping[str, Any]] | None = None,
@@ -170,7 +172,6 @@ def arena(
     folder : in which the cells are kept while the arena runs; none by default
     resume : go on with the cells in the folder
     progress : called with how many cells are done, how many there are, and the last one's name
-    options : the following keywords
     laws, only : keep only drives with these laws, or of these names
     learned : files learned.json, each a drive
     own : FMU of a compensator -> how it is connected, a TOML file or its content

@@ -57,13 +57,13 @@ def parameter_rows(name: str, parameters: Mapping[str, Mapping[str, Any]]) -> li
     return rows
 
 
-def compare(places: Iterable[Path]) -> DriveComparison:
+def compare(places: Iterable[Path | str]) -> DriveComparison:
     """Return what learned.json files say, or folders with one, or folders of a fleet.
 
     Raises UsageError when there is no learned.json at a place, or one is not valid, or OSError when
     a file cannot be read.
     """
-    files = [file for place in places for file in _files(place)]
+    files = [file for place in places for file in _files(Path(place))]
     names = _names(files)
     parameters, errors = [], []
     for name, file in zip(names, files, strict=True):

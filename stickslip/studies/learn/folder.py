@@ -56,7 +56,7 @@ class Written:
         return found | {
             "refusal": one.refusal,
             "written": entry,
-            "verdict": encode(self.verdict),
+            "verdict": encode(self.verdict) | {"lines": [*map(list, self.verdict.rows())]},
         }
 
     @property

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 import pandas as pd
 
 from stickslip.cosim.display import html_table
+from stickslip.errors import with_settings
 from stickslip.evaluation.tracking import Tracking
 from stickslip.fmi.messages import escaped
 from stickslip.identification.estimation import Estimation, LearnSettings, Task, candidate_fmus
@@ -249,16 +250,19 @@ class LearnedFromRecording(Learned):
             for name, known in self.estimation.known.items()
             if name in self.estimation.law.parameters and known.identifiability == NOT_IDENTIFIABLE
         ]
+        return (*guesses, *self.trial_warnings)
+
+    @property
+    def trial_warnings(self) -> tuple[str, ...]:
+        """What should be known of the trial, a line each."""
         if self.trial is None:
-            return tuple(guesses)
-        loop = self.designed.compensated
-        if not self.designed.known:
-            guesses.append(
-                "no velocity loop of the log is known, so the compensator is tried in the one that "
-                "the log shows, or one designed for the learned mass if it shows none: "
-                f"K_p = {loop.K_p:.4g} and K_i = {loop.K_i:.4g}"
-            )
-        return (*guesses, *self.trial.warnings)
+            return ()
+        loop, foreign = self.designed.compensated, self.designed.foreign
+        where = (
+            f"compensators were tried in a PI velocity loop with K_p = {loop.K_p:.4g} and K_i ="
+            f" {loop.K_i:.4g}, which is not the log's: {foreign}"
+        )
+        return (*([with_settings(where)] if foreign else []), *self.trial.warnings)
 
 
 def learn_recording(

@@ -16,6 +16,7 @@ from textwrap import wrap
 import numpy as np
 from matplotlib.figure import Figure
 
+from stickslip.compensators.entrants import parts
 from stickslip.errors import with_settings
 from stickslip.evaluation.tracking import FEEDFORWARD as WITH_FEEDFORWARD
 from stickslip.evaluation.tracking import FRICTIONLESS, NONE, Tracking
@@ -100,8 +101,9 @@ class Verdict:
 
     def rows(self, folder: str = "") -> Iterator[tuple[str, str]]:
         """Yield a label and a sentence for each line; a folder precedes the names of files."""
+        label = "use" if self.loop is None or self.loop.friction_matters else "optional"
         for k, (name, what) in enumerate(self.files.items()):
-            yield "" if k else "use", f"{folder}{name}: {what}"
+            yield "" if k else label, f"{folder}{name}: {what}"
         for line in self.refused:
             yield "warning", line
         if self.errors:
@@ -174,9 +176,12 @@ def _headline(
 ) -> str:
     compared = learned.trial and learned.trial.compared
     if loop and not loop.friction_matters:
-        most = f"{number(100 * loop.share, 2)} % of the {loop.figure} error stays without any"
+        most = f"{number(100 * loop.share, 3)} % of the {loop.figure} error stays without any"
         start = f"friction is not the problem: {most} friction"
-        return f"{start}, so a compensator brings little" if files else start
+        if not files:
+            return start
+        gain = number(100 * (1.0 - loop.share), 2)
+        return f"{start}; what is written takes at most {gain} % of it, the loop (below) the rest"
     if force and learned.writes() != learned.writes(force=True):
         return with_settings("what is written is not recommended, but asked for with <force>")
     if compared and learned.writes() and compared.chosen.benefit:
@@ -198,14 +203,20 @@ def _what(learned: LearnedFromRecording, name: str) -> str:
     if name == OBSERVER_FMU:
         kind = learned.trial.compared.chosen.name.split("+")[-1] if learned.trial else ""
         place = ", to be added after the feedforward" if learned.choice == BOTH else ""
-        return f"the observer {kind}{place}"
+        return f"{_titled(kind, 'observer')}{place}"
     benefit = learned.benefit
     share = benefit.share if benefit else 1.0
     of = "" if share == 1.0 else f" at {number(100 * share)} % of the learned force"
     kind = learned.trial.compared.chosen.name.split("+")[0] if learned.trial else ""
     if kind in ("", "none") or learned.choice not in (FEEDFORWARD, BOTH):
-        kind = learned.estimation.law.title
-    return f"the feedforward {kind}{of}"
+        kind = learned.estimation.law.name
+    return f"{_titled(kind, 'feedforward')}{of}"
+
+
+def _titled(kind: str, otherwise: str) -> str:
+    """Return the title of a compensator with its name in commands and files."""
+    known = parts()
+    return f"{known[kind].title} ({kind})" if kind in known else f"the {otherwise} {kind}".rstrip()
 
 
 def motion_errors(benefit: Benefit, motion: Motion) -> Iterator[MotionError]:
@@ -260,10 +271,16 @@ def _left(errors: Sequence[MotionError]) -> str:
         shares = ", ".join(f"{one.motion} {number(100 * one.ratio, 2)} %" for one in own)
         low, high = min(one.low for one in own), max(one.high for one in own)
         found.append(
-            f"{shares} of the {figure} error that friction causes"
-            f" ({number(100 * low, 2)} to {number(100 * high, 2)} % on the true drive)"
+            f"{shares} of the {figure} error that friction causes; {number(100 * low, 2)} to"
+            f" {number(100 * high, 2)} % are predicted for the true drive"
         )
+        if worse := [one.motion for one in own if one.high > 1.0]:
+            found[-1] += f", so it may get worse in {_listed(worse, own)}"
     return "; ".join(found)
+
+
+def _listed(worse: Sequence[str], every: Sequence[MotionError]) -> str:
+    return ", ".join(worse) if len(worse) < len(every) else "any motion"
 
 
 def _sentence(loop: LoopShare) -> str:
@@ -314,15 +331,7 @@ def _doubts(learned: LearnedFromRecording) -> Iterator[str]:
     if hidden:
         show = f"stickslip plan --show {' '.join(hidden)}"
         found.append(f"{', '.join(hidden)}: not identifiable from this log; '{show}' plans one")
-    if learned.trial is not None:
-        if not learned.designed.known:
-            loop, known = learned.designed.compensated, learned.tracking and learned.tracking.known
-            found.append(
-                "compensators were tried in a PI velocity loop that is not the log's, K_p ="
-                f" {loop.K_p:.4g}, K_i = {loop.K_i:.4g}"
-                f"{'' if known else '; <controller> and <gain> give the one of the log'}"
-            )
-        found += learned.trial.warnings
+    found += learned.trial_warnings
     faults = {str(one) for one in estimation.faults}
     warnings = [
         one for one in learned.findings if one.severity == "warning" and str(one) not in faults

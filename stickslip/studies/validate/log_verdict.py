@@ -8,7 +8,7 @@ import numpy as np
 from stickslip.catalog.parameters import Values, unit_of
 from stickslip.presentation.scale import Scale
 from stickslip.studies.validate.log_prediction import FRICTION, Change, LogPrediction
-from stickslip.thresholds import control_match, loop_fit, transfer
+from stickslip.thresholds import control_match, loop_fit, misfit, transfer
 
 SIGNALS = {
     "force": "force, inverse model",
@@ -33,9 +33,9 @@ def verdict(found: LogPrediction, values: Values) -> tuple[str, ...]:
     reasons = [_explained(name, one.ratio) for name, one in found.signals.items()]
     if changes:
         first = f"the drive of this log differs from the learned one; force error {share}"
-    elif force.ratio <= loop_fit.MODEL_ERROR:
+    elif force.ratio <= misfit.EXPLAINED:
         first = f"the learned drive holds for this log; force error {share}"
-        if any(one.ratio > loop_fit.MODEL_ERROR for one in found.signals.values()):
+        if any(one.ratio > misfit.EXPLAINED for one in found.signals.values()):
             first = f"the learned drive explains the force of this log, but not its loop; {share}"
     elif force.relative <= transfer.SMALL:
         first = f"the learned drive predicts the force of this log within {share}"
@@ -64,12 +64,10 @@ def verdict(found: LogPrediction, values: Values) -> tuple[str, ...]:
 
 
 def _explained(name: str, ratio: float) -> str:
-    if ratio <= loop_fit.MODEL_ERROR:
-        return f"{SIGNALS[name]}: noise, encoder steps and intervals explain the error"
-    return (
-        f"{SIGNALS[name]}: the error is {ratio:.2g} times what noise, encoder steps and intervals "
-        f"explain (at most {loop_fit.MODEL_ERROR:g} is good)"
-    )
+    by = "noise, encoder steps and intervals"
+    if ratio <= misfit.EXPLAINED:
+        return f"{SIGNALS[name]}: {by} explain the error"
+    return f"{SIGNALS[name]}: the error is {misfit.excess(ratio, by)}"
 
 
 def material(found: LogPrediction, values: Values) -> Iterator[tuple[str, Change]]:

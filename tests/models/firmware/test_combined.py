@@ -87,6 +87,23 @@ def test_one_call_gives_the_bits_of_the_blocks_one_by_one(tmp_path, chain):
         np.testing.assert_allclose(scope["F"], expected, rtol=0, atol=1e-7)
 
 
+def test_one_name_makes_all_blocks_compute_in_float(tmp_path):
+    """Numbers go from block to block without a conversion, of which the flags would warn."""
+    paths = write_combined(tmp_path, "c", list(blocks(PARTS)))
+    sizes = " + ".join(f"sizeof({name}_real)" for name in PARTS)
+    files = {path.name: path.read_text() for path in paths}
+    files["sizes.c"] = f"""
+#include "added_force.h"
+__attribute__((visibility("default"))) int sizes(void);
+int sizes(void) {{ return (int)({sizes}); }}
+"""
+    found = [
+        ctypes.CDLL(str(toolchain.shared_library("sizes", files, flags=[*STRICT, *flags]))).sizes()
+        for flags in ([], ["-DSTICKSLIP_FLOAT"])
+    ]
+    assert found == [8 * len(PARTS), 4 * len(PARTS)]
+
+
 def test_a_block_with_a_signal_of_a_search_is_refused(tmp_path):
     with pytest.raises(models.UnknownModel, match="'u' is not among its inputs v_cmd"):
         write_combined(tmp_path, "c", [models.load_model("lffc")])

@@ -10,6 +10,7 @@ import zipfile
 
 import pytest
 
+from stickslip.app.workbench import Workbench
 from stickslip.models import build_fmu
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
@@ -84,7 +85,7 @@ def test_from_a_dropped_log_to_the_downloaded_compensator(server, browser, log):
     # Another tab has a state of its own, and lets columns be named that nothing detects.
     other = opened(browser, address)
     choose(other, "Logs", "unnamed.csv")
-    other.get_by_text("no column of time; give --column time=NAME").wait_for()
+    other.get_by_text("no column of time; give NAME in the field 'time'").wait_for()
     for role, column in {"time": "a", "position": "b", "force": "c"}.items():
         choose(other, role, re.compile(f"^{column}$"))
     other.get_by_role("button", name="Check").click()
@@ -95,13 +96,21 @@ def test_from_a_dropped_log_to_the_downloaded_compensator(server, browser, log):
     page.get_by_label("Compensator").first.fill("static")
     page.get_by_role("button", name="Learn").click()
     page.get_by_text("Importances").wait_for(timeout=LONG)
-    page.get_by_text("written: feedforward (static)").first.wait_for(timeout=LONG)
+    page.get_by_text("Coulomb feedforward (static)").first.wait_for(timeout=LONG)
+    check = page.get_by_text("drive disabled: a positive")
+    assert check.bounding_box()["y"] < 720.0  # without scrolling
     report = page.frame_locator("iframe.report")
     report.get_by_text("log.csv").first.wait_for()
     with page.expect_download() as download:
         page.get_by_role("button", name="compensator.fmu").click()
     with zipfile.ZipFile(download.value.path()) as fmu:
         assert "modelDescription.xml" in fmu.namelist()
+    with page.expect_download() as download:
+        page.get_by_role("button", name="deploy", exact=True).click()
+    with zipfile.ZipFile(download.value.path()) as deployed:
+        assert {"added_force.c", "steps.html"} <= {*deployed.namelist()}
+    offered = {*Workbench(folder).logs().values()}
+    assert offered == {"unnamed.csv", log.name, second.name}  # no table of results
     learned = json.loads((folder / "runs/learn-log-1/learned.json").read_text(encoding="utf-8"))
     assert {*learned["sha256"]} == {log.name, second.name}
 

@@ -116,4 +116,4 @@ def test_the_law_is_chosen_by_what_it_predicts(tmp_path, capsys):
     assert "law: " + learned["prediction"]["choice"] in printed
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "Which friction law explains the log" in page
-    assert "Coulomb-viscous" in page
+    assert "Coulomb-Stribeck with F_s = F_c" in page

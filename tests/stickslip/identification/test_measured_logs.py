@@ -38,7 +38,7 @@ def emps():
 def test_the_law_chosen_for_emps_predicts_as_well_as_friction_without_presliding():
     found = learned("emps", "DATA_EMPS.mat", "emps.toml").estimation
     force = {one.candidate.title: one.force for one in found.choice.predictions}
-    static = min(force["Coulomb-viscous"], force["Coulomb-Stribeck"])
+    static = min(force["Coulomb-Stribeck with F_s = F_c"], force["Coulomb-Stribeck"])
     assert found.choice.chosen.force <= 1.02 * static < force["LuGre"]
     assert found.known["F_c"].value == pytest.approx(20.3935, rel=0.01)
     assert found.known["m"].value == pytest.approx(95.1089, rel=0.01)

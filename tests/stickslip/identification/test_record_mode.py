@@ -25,7 +25,7 @@ from stickslip.rigs.contract import commissioning_loop
 from stickslip.servo.axis import Datasheet
 from stickslip.servo.lanes import FEWEST
 from stickslip.studies.learn.recorded import record_drive
-from stickslip.thresholds import loop_fit
+from stickslip.thresholds import misfit
 from stickslip.trial.compensator_trial import shown_gains
 
 pytestmark = pytest.mark.slow
@@ -127,8 +127,8 @@ def test_a_bad_fit_does_not_pass_for_noise(off, recorded, candidates):
         bad = linearised(criterion.over(best.space), q, variance)
         with KnownLoop(candidates, learned.recording, learned.gains, encoder=True) as again:
             told = correct(criterion, bad, again, 0)
-    assert told.found / told.expected < loop_fit.MODEL_ERROR
-    assert (told.model_error > loop_fit.MODEL_ERROR) == (off > 0.0)
+    assert told.found / told.expected < misfit.EXPLAINED
+    assert (told.model_error > misfit.EXPLAINED) == (off > 0.0)
 
 
 def test_a_recording_shows_the_gains_of_its_controller(recorded):

@@ -122,6 +122,6 @@ def test_a_set_is_learned_from_its_table(tmp_path, logs):
         one = learned.estimation.known[name]
         assert one.low <= truth <= one.high, name
     own = next(one for one in learned.predicted if one.law == learned.estimation.law.title)
-    static = next(one for one in learned.predicted if one.law == "Coulomb-viscous")
+    static = next(one for one in learned.predicted if one.law == "Coulomb-Stribeck with F_s = F_c")
     assert own.source == "presliding.csv"
     assert own.error < static.error

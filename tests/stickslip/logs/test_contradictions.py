@@ -48,6 +48,22 @@ def test_consistent_signals_are_no_error(check):
     assert "differ in scale" not in out
 
 
+def test_a_column_with_the_name_of_another_quantity_is_told(check):
+    given = ("--column", "force=velocity_command", "--unit", "force=N")
+    told = "warning: column 'velocity_command' is read as force"
+    assert told in check(*given)[2]
+    for usual in ("force=force", "velocity_command=velocity", "force=i"):
+        assert "is read as" not in check("--column", usual, names={"force": "i"}.items())[2]
+
+
+def test_an_error_of_a_log_is_printed_once(check):
+    status, errors, _, err = check(names={"force": "iq"})
+    assert (status, len(errors)) == (1, 1)
+    assert errors[0] not in err
+    assert "cannot be learned from, for the errors above" in err
+    assert errors[0].removeprefix("error: ") in check("--quiet", names={"force": "iq"})[3]
+
+
 CONTRADICTIONS = {
     "position in mm": ({"position": 1e-3}, "10^3", "--unit position=mm"),
     "position in um": ({"position": 1e-6}, "10^6", "--unit position=um"),
@@ -131,11 +147,10 @@ WRONG = {
 def test_what_is_wrong_is_named_with_an_option_and_accepted_when_right(check, name):
     """Another quantity than force needs a unit or a scale, and so do whole numbers."""
     option, given, wrong, said, right = WRONG[name]
-    status, errors, _, err = check(*wrong, **given)
+    status, errors, *_ = check(*wrong, **given)
     assert status == 1
     assert said in errors[0]
     assert option in errors[0]
-    assert errors[0] in err
     assert check(*right, **given)[:2] == (0, [])
 
 

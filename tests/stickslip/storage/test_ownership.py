@@ -84,6 +84,13 @@ def test_absent_files_and_those_of_other_commands_are_no_obstacle(folder, put):
     assert not verify(folder).faults
 
 
+def test_what_is_replaced_is_told_by_every_command(folder, caplog):
+    for names, told in ((["d"], False), (["a", "d"], True)):
+        caplog.clear()
+        with reserved(folder, names):
+            assert ("results of an earlier run" in caplog.text) == told
+
+
 FLEET = (
     "fleet.csv",
     "fleet.json",

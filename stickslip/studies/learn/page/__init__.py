@@ -184,10 +184,7 @@ def compensation(compared: CompensatorComparison) -> Section:
         compared=compared,
         tried=list(tables.errors(chosen.benefit)) if chosen.benefit else [],
         relative=tables.compensators(compared),
-        WORSE=harm.WORSE,
-        DRIVES=harm.DRIVES,
-        MORE=harm.MORE,
-        SCATTER=harm.SCATTER,
+        rule=harm.rule(),
         GAIN=offer.GAIN,
         LIMIT=offer.SENSITIVITY,
     )

@@ -1,0 +1,131 @@
+"""Arguments of the public functions, whose errors name what was not expected."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache, wraps
+from importlib import import_module
+from inspect import Parameter, isfunction, signature
+from os import PathLike
+from pathlib import Path
+from types import SimpleNamespace, UnionType
+from typing import (
+    Any,
+    SupportsFloat,
+    SupportsIndex,
+    TypeVar,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+from stickslip.fmi.errors import Fault
+from stickslip.fmi.messages import printable, suggestion
+
+_PACKAGE = "stickslip"  # which imports this module
+F = TypeVar("F", bound=Callable[..., Any])
+_TAKEN: dict[object, Any] = {  # in place of a class: numbers of numpy, paths as texts, tables
+    float: SupportsFloat,
+    int: SupportsIndex,
+    bool: object,
+    Path: (str, PathLike),
+    tuple: Iterable,
+}
+_SEVERAL = (Sequence, Iterable, list)
+
+
+def checked(function: F, *, always: bool = False) -> F:
+    """Return a function whose errors name an argument that it has not, or of another class.
+
+    Classes are those of the annotations. They are compared where the function fails as Python does,
+    not with a Fault, or ``always``: what works with another class goes on working.
+
+    Raises TypeError.
+    """
+    name = function.__qualname__.removesuffix(".__init__")
+    taken = signature(function)
+    names = [*taken.parameters]
+    free = any(one.kind is Parameter.VAR_KEYWORD for one in taken.parameters.values())
+
+    def require(args: tuple[object, ...], given: dict[str, object]) -> None:
+        for key, value in (*zip(names, args, strict=False), *given.items()):
+            if not _fits(value, _kind(function, key)):
+                kind = taken.parameters[key].annotation
+                expected = getattr(kind, "__name__", kind)
+                got = printable(repr(value), 80)
+                raise TypeError(f"{name}: {key}: expected {expected}, got {got}")
+
+    @wraps(function)
+    def call(*args: object, **given: object) -> object:
+        for key in given if not free else ():
+            if key not in taken.parameters:
+                known = [one for one in names if one != "self"]
+                raise TypeError(f"{name} has no argument {key!r}{suggestion(key, known)}")
+        try:
+            found = function(*args, **given)
+        except Fault:
+            raise
+        except (AttributeError, TypeError, ValueError) as fault:
+            try:
+                require(args, given)
+            except TypeError as named:
+                raise named from fault
+            raise
+        if always:
+            require(args, given)
+        return found
+
+    return call  # type: ignore[return-value]
+
+
+def public(value: Any) -> Any:
+    """Return a public function or class, the calls of which are checked.
+
+    An object of another class would be stored, so that what makes objects always compares them.
+    """
+    if isinstance(value, type):
+        kind: Any = value
+        if isfunction(kind.__init__):
+            kind.__init__ = checked(kind.__init__, always=True)
+        return kind
+    found = checked(value)
+    found.__module__ = _PACKAGE  # where it is found when it goes to another process
+    return found
+
+
+@cache
+def _kind(function: Callable[..., object], name: str) -> object:
+    """Return what an annotation means; ``object`` where it names what is imported for it alone."""
+    text = getattr(function, "__annotations__", {}).get(name, object)
+    space = getattr(function, "__globals__", {})
+    package = import_module(_PACKAGE)
+    words = {*re.findall(r"\w+", str(text))} & {*dir(package)} - {*space}
+    names = {word: getattr(package, word) for word in words}
+    if "pd" in str(text):
+        names["pd"] = import_module("pandas")  # late: large
+    try:
+        return get_type_hints(SimpleNamespace(__annotations__={"": text}), space, names)[""]
+    except (NameError, TypeError):
+        return object
+
+
+def _fits(value: object, kind: object) -> bool:
+    origin = get_origin(kind) or kind
+    if origin in (Union, UnionType):
+        return any(_fits(value, one) for one in get_args(kind))
+    if origin is Mapping:  # or a row of a table
+        return hasattr(value, "items") or hasattr(value, "_asdict")
+    if origin in _SEVERAL:
+        parts = value if isinstance(value, (list, tuple)) else ()
+        inner = (*get_args(kind), object)[0]
+        return (
+            not isinstance(value, str)
+            and isinstance(value, Iterable)
+            and all(_fits(one, inner) for one in parts)
+        )
+    try:
+        return isinstance(value, _TAKEN.get(origin, origin))
+    except TypeError:  # a Literal, or a protocol
+        return True
