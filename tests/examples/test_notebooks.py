@@ -142,24 +142,6 @@ def test_shows_what_is_so(name, pattern, expected, within):
 
 
 @pytest.mark.parametrize(
-    ("name", "smaller", "larger", "ratio"),
-    [
-        *(
-            ("loop_design", what.format("with"), what.format("without"), ratio)
-            for what, ratio in (
-                ("{} compensation +largest difference from the prediction # mm/s", 0.1),
-                ("{} compensation +error # mm/s at most", 0.2),
-            )
-        ),
-        ("sweep_and_optimise", "cost # after", "runs, # at the start", 0.8),
-    ],
-)
-def test_one_figure_is_far_below_another(name, smaller, larger, ratio):
-    text = printed(name)
-    assert number(smaller, text) < ratio * number(larger, text)
-
-
-@pytest.mark.parametrize(
     ("name", "text", "times"),
     [
         ("laws", "sticks and slips", 6),
@@ -205,11 +187,3 @@ def test_learn_from_a_log():
     ]
     assert "written: feedforward + observer" in tables[0]
     assert "compensator not written: the logged force is out of scale" in tables[-1]
-
-
-def test_arena():
-    """Feedforward with an observer beats the tuned controller; alone it does harm carried over."""
-    text = printed("arena")
-    assert row("lugre+ekbf", text)[0] < 0.8
-    assert row("lugre", text)[3] > 2.0
-    assert len(row("mine", text)) == 4

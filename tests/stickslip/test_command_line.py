@@ -144,10 +144,12 @@ def test_a_missing_file_gets_the_name_of_one_that_is_there(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_the_examples_of_a_help_are_words_that_the_command_takes(command, capsys):
+def test_a_help_has_the_common_options_and_examples_that_the_command_takes(command, capsys):
     with pytest.raises(SystemExit, match="0"):
         run(command, "--help")
-    _, _, end = capsys.readouterr().out.partition("examples:\n")
+    options, _, end = capsys.readouterr().out.partition("examples:\n")
+    for words in (f"usage: stickslip {command}", "--json", "--quiet", "--verbose", "--debug"):
+        assert words in options
     examples = re.findall(r"^ +stickslip (.+)$", end, re.MULTILINE)
     assert examples
     for words in map(shlex.split, examples):
@@ -165,15 +167,6 @@ def test_rare_options_of_learn_are_listed_on_request_in_groups_of_five(capsys):
     assert "--criterion" in shown[1]
     groups = re.split(r"^\S.*:$", shown[1], flags=re.MULTILINE)
     assert all(len(re.findall(r"^  --\w", group, re.MULTILINE)) <= 5 for group in groups)
-
-
-@pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_lists_its_options_with_the_common_ones(command, capsys):
-    with pytest.raises(SystemExit, match="0"):
-        run(command, "--help")
-    shown = capsys.readouterr().out
-    for words in (f"usage: stickslip {command}", "--json", "--quiet", "--verbose", "--debug"):
-        assert words in shown
 
 
 @pytest.mark.parametrize(

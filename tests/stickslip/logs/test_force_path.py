@@ -25,6 +25,33 @@ def spoiled(force, recording=DRIVE):
 
 def test_a_sound_force_has_no_fault():
     assert spoiled(DRIVE.force + NOISE) == []
+    assert samples_late(DRIVE) == 0
+    assert aligned(DRIVE, 0) is DRIVE
+
+
+@pytest.mark.parametrize("samples", [10, -10, 40])
+def test_a_delay_is_taken_out(samples):
+    log = rigid_drive(n=8000, delay=samples, step=4e-7)
+    late = samples_late(log)
+    assert late == samples
+    [said] = [str(finding) for finding in check_recording(log) if "removed" in finding.advice]
+    assert said.startswith("warning: force is ")
+    assert f"{abs(late)} ms are removed" in said
+    again = aligned(log, late)
+    assert samples_late(again) == 0
+    assert len(again.t) == len(log.t) - abs(late)
+    k = 1000 + max(-late, 0)
+    assert again.position[1000] == log.position[k]
+    assert again.force[1000] == log.force[k + late]
+
+
+@pytest.mark.parametrize("share", [0.005, 0.02, 0.1])
+def test_lost_rows_are_counted(share):
+    rows = np.flatnonzero(np.random.default_rng(1).random(8000) >= share)
+    kept = {"position": DRIVE.position[rows], "force": DRIVE.force[rows], "encoder_step": 4e-7}
+    [said] = [one for one in check_recording(Recording(DRIVE.t[: len(rows)], **kept)) if one.spoils]
+    assert said.what == "rows are lost under an even clock"
+    assert float(said.figure.split("%")[0]) / 100.0 == pytest.approx(share, rel=0.2)
 
 
 @pytest.mark.parametrize("step", [2e-5, 1e-4])
@@ -197,3 +224,11 @@ def test_a_limit_is_found_where_the_force_command_is_larger():
     share = np.mean((log.force > 12.8) | (log.force < -10.8))
     assert float(told.split("%")[0]) == pytest.approx(100 * share, rel=0.1)
     assert "saturates" not in said(replace(log, force_command=log.force))
+
+
+def test_a_force_that_was_logged_before_a_limit():
+    command = 16.0 * np.sin(2 * np.pi * (0.3 * T + 0.04 * T**2))
+    log = run(command, b=90.0, limits=(-13.0, 13.0))
+    [found] = spoiled(log.force_command, replace(log, force_command=None))
+    assert "the force was logged before a limit" in found
+    assert float(found.split("at most ")[1].split(";")[0]) == pytest.approx(13.0, rel=0.1)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import scipy.signal
 
-from stickslip import cosim
 from stickslip.catalog.parameters import friction_law
 from stickslip.cosim import Trapezoid
 from stickslip.evaluation.motions import VALIDATION
@@ -382,19 +381,3 @@ def test_a_drive_of_another_size_is_tried_alike(tmp_path, force, length):
 
     least = 1e-6 * VALIDATION.height
     assert errors(force, length) == pytest.approx(errors(1.0, 1.0), rel=1e-2, abs=least)
-
-
-def test_a_share_is_of_the_force_alone(fmus):
-    """At the same velocities every force of the LuGre FMU is that share of the whole."""
-    v = 1e-3 * np.sin(np.linspace(0.0, 40.0, 4000)) ** 3
-    system = cosim.System("share")
-    system.add("compensator", fmus / "compensator.fmu", TABLE_2)
-    system.expose("v", "compensator.v")
-    with system.prepare(step=5e-4, stop=2.0 - 5e-4, record=["compensator.F_mean"]) as simulation:
-        whole, part = (
-            simulation.run(
-                {f"compensator.{name}": value for name, value in friction.items()}, {"v": v}
-            )["compensator.F_mean"]
-            for friction in (TABLE_2, friction_law().share(TABLE_2, 0.7))
-        )
-    np.testing.assert_allclose(part, 0.7 * whole, rtol=1e-9, atol=1e-12)

@@ -1,7 +1,6 @@
 """The arena on a few drives and entrants, with small budgets."""
 
 import json
-import re
 import shutil
 from dataclasses import replace
 from itertools import product
@@ -23,7 +22,6 @@ from stickslip.errors import UsageError
 from stickslip.models import UnknownLaw
 from stickslip.models.export.units import force_and_length
 from stickslip.presentation.quantity import number
-from stickslip.presentation.table import Column
 from stickslip.servo.axis import Datasheet
 from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.sensitivity import peak_sensitivity
@@ -31,7 +29,7 @@ from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import close_velocity_loop
 from stickslip.storage import UNFINISHED
 from stickslip.studies.arena import page as arena_page
-from stickslip.studies.arena import protocol, table
+from stickslip.studies.arena import protocol
 from stickslip.studies.arena.comparison import Comparison
 from stickslip.studies.arena.comparison import arena as arena_of
 from stickslip.studies.arena.course import Course
@@ -351,24 +349,6 @@ def test_the_page_has_the_error_of_each_cell_and_of_each_motion(arena):
     slow = relative_errors(table, plan, carried=False, command="R")
     assert all(f">{number(value, 3)}<" in page for value in slow.to_numpy().ravel())
     assert "http" not in page.replace("http://www.w3.org", "")
-
-
-def test_a_further_column_is_on_terminal_page_and_in_files(arena, tmp_path, monkeypatch, capsys):
-    found, folder = arena
-    rows = pd.read_csv(folder / "arena.csv.gz").set_index(["metric", "compensator"])
-    size = float(f"{rows.loc['binary size', 'lugre']['median'].mean():.6g}")
-    further, out = Column("binary size", ".0f", "size", "Size"), tmp_path / "out"
-    monkeypatch.setattr(table, "RANKING", (*table.RANKING, further))
-    monkeypatch.setattr(protocol, "run_arena", lambda *_: found)
-    arguments = ["arena", "--compensators", "pi", "--only", "lugre", "--out", str(out)]
-    assert main(arguments) == 0
-    assert re.search(rf"size\n(.*\n)*lugre .* {size:.0f}\n", capsys.readouterr().out)
-    assert pd.read_csv(out / "ranking.csv").set_index("compensator")["binary size"]["lugre"] == size
-    page = (out / "arena.html").read_text(encoding="utf-8")
-    assert page.index(">Size<") < page.index(f">{number(size, 4)}<")
-    assert main(["--json", *arguments]) == 0
-    ranking = json.loads(capsys.readouterr().out)["ranking"]
-    assert {row["compensator"]: row["binary size"] for row in ranking}["lugre"] == size
 
 
 def test_an_entrant_above_the_limit_is_marked(tmp_path):
