@@ -9,20 +9,6 @@ from stickslip.identification.criteria.motion import Scale, scale_of
 from stickslip.logs import Recording
 
 
-def test_equations_hold_in_scaled_units():
-    rng = np.random.default_rng(0)
-    a, v = rng.standard_normal((2, 50))
-    values = {"m": 2e-4, "b": 1e-4, "F_c": 0.02}
-    force = values["m"] * a + values["b"] * v + values["F_c"] * np.sign(v)
-    scale = Scale(1000.0, 0.01)
-    scaled = scale.values(values)
-    again = (
-        scaled["m"] * a * scale.length + scaled["b"] * v * scale.length + scaled["F_c"] * np.sign(v)
-    )
-    np.testing.assert_allclose(again, force * scale.force, rtol=1e-12)
-    assert scale.restored(scaled) == pytest.approx(values)
-
-
 def test_common_drives_are_left_alone_and_others_brought_near():
     assert scale_of(np.full(9, 30.0), np.full(9, 0.04)) == Scale()
     scale = scale_of(np.full(9, 0.02), np.full(9, 60.0))
