@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from campaigns.sound_drives import simulator
 from stickslip.logs import Recording, aligned, check_recording, samples_late
 from stickslip.logs.force_path import force_path
 from stickslip.logs.motion import force_delay, signal_delay
@@ -144,16 +145,11 @@ def test_of_a_force_that_switches(mass, viscous, late):
     """A wrong delay with a negative mass, or Coulomb friction alone, explains it best."""
     t = np.arange(20000) * 1e-3
     force = 18.6 * np.sign(np.sin(2 * np.pi * (0.3 * t + 0.04 * t**2)))
-    x = v = 0.0
-    position = []
-    for F in np.repeat(force, 10):
-        w = v + 1e-4 * (F - viscous * v) / mass
-        v = np.sign(w) * max(abs(w) - 1e-4 * 7.6 / mass, 0.0)
-        x += 1e-4 * v
-        position.append(x)
-    shown = np.round(np.array(position[9::10]) / 1e-7) * 1e-7
-    logged = force[np.clip(np.arange(20000) - late, 0, None).clip(max=19999)]
-    drive = Recording(t, shown, logged, encoder_step=1e-7)
+    values = {"m": mass, "b": viscous, "F_c": 7.6, "F_s": 7.6, "v_s": 1.0, "T_s": 1e-3}
+    values |= {"K_p": 0.0, "encoder": 1e-7}
+    shown = simulator.run("coulomb_stribeck", values, 0.0 * t, F_ff=force)["encoder"][1:]
+    logged = force[np.clip(np.arange(19999) - late, 0, 19999)]
+    drive = Recording(t[:-1], shown, logged, encoder_step=1e-7)
     found = force_delay(drive)
     assert found.value / 1e-3 == pytest.approx(late + 0.55, abs=0.1)  # held forces show half late
     prompt = aligned(drive, samples_late(drive))

@@ -3,7 +3,6 @@
 import json
 import shutil
 from dataclasses import replace
-from itertools import product
 from pathlib import Path
 
 import matplotlib as mpl
@@ -25,7 +24,6 @@ from stickslip.presentation.quantity import number
 from stickslip.servo.axis import Datasheet
 from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.sensitivity import peak_sensitivity
-from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import close_velocity_loop
 from stickslip.storage import UNFINISHED
 from stickslip.studies.arena import page as arena_page
@@ -38,7 +36,7 @@ from stickslip.studies.arena.drives import default_drives, learned_drive, read_d
 from stickslip.studies.arena.motion_commands import COMMANDS, TRAINING
 from stickslip.studies.arena.protocol import Plan, build, run_arena
 from stickslip.studies.arena.table import ALL, COLUMNS, RELATIVE, arena_table, relative_errors
-from stickslip.studies.arena.tuning import Budget, Courses, tune
+from stickslip.studies.arena.tuning import Budget, tune
 from stickslip.studies.arena.validation import WORST, validate, validate_changed
 from stickslip.studies.arena.writing import write_arena
 from stickslip.work.jobs import Execution
@@ -184,18 +182,6 @@ def test_changed_drives_have_other_errors(built, loop):
     assert found["R", "error per encoder step", "1/s"][0] > 0.0
 
 
-def test_no_compensator_is_the_plain_loop_bit_for_bit(built, loop):
-    command = COMMANDS["R"]
-    v_cmd = command.sample(loop.T_s)
-    validated = validate(built, loop, entrant("none"), TunedEntrant(loop, {}), [command], 1)
-    system = servo_loop(built, loop)
-    stop = (len(v_cmd) - 1) * loop.T_s
-    with system.prepare(step=loop.T_s, stop=stop, record=("drive.v",)) as simulation:
-        v = simulation.run({"drive.seed": 1, "drive.x": 0.0}, {"v_cmd": v_cmd})["drive.v"]
-    (found,) = validated.figures["R", "E_rms", "m/s"]
-    assert found == np.sqrt(np.mean((v - v_cmd) ** 2))
-
-
 def test_tuning_comes_near_the_exact_feedforward(built, loop):
     """Within seconds of motion that allow 12 evaluations."""
     one, sheet, duration = entrant("static"), Datasheet(), seconds_of(TRAINING, loop)
@@ -206,26 +192,6 @@ def test_tuning_comes_near_the_exact_feedforward(built, loop):
     assert found.coarse.friction == pytest.approx(PAPER["F_c"], rel=0.05)
     tuned = found.tuned(one, loop, sheet)
     assert error(built, loop, "static", tuned.parameters) < 0.3 * error(built, loop, "none", {})
-
-
-def test_what_training_ranks_first_validation_ranks_first(built, loop):
-    one, law = entrant("pi+lugre"), models.load_law("lugre")
-    friction = {name: PAPER[name] for name in law.parameters if name in PAPER}
-    ranked_by = [command for command in COMMANDS.values() if command.ranked]
-    trained, validated = [], []
-    with Courses(built, loop, one, TRAINING, Datasheet()) as courses:
-        for gain, share in product((0.3, 1.0), (0.1, 0.6, 1.0)):
-            gains = loop.changed(K_p=gain * loop.K_p, K_i=gain * loop.K_i)
-            values = {f"lugre.{n}": x for n, x in law.share(friction, share).items()}
-            tuned = TunedEntrant(gains, values)
-            errors = [*courses.errors(tuned, 0.0).values()]
-            assert len(errors) == len(ranked_by)
-            trained.append(np.mean(np.log(errors)))
-            found = validate(built, loop, one, tuned, ranked_by, 1).figures
-            errors = [value for (_, name, _), (value,) in found.items() if name == "error"]
-            validated.append(np.mean(np.log(errors)))
-    assert np.argsort(trained).tolist() == np.argsort(validated).tolist()
-    assert np.corrcoef(trained, validated)[0, 1] > 0.95
 
 
 def test_experiments_show_a_drive_its_friction(built, loop):

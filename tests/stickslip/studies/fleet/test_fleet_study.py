@@ -29,15 +29,6 @@ def test_a_drive_that_kills_its_worker_fails_and_no_other(drives, tmp_path):
     assert fleet.learned == alone.learned
 
 
-def test_a_worker_of_a_cluster_that_dies_costs_nothing(cluster, drives, tmp_path):
-    (tmp_path / "once").touch()
-    job, execution = Deadly(os.getpid(), tmp_path / "once"), Execution(2, cluster)
-    names = ("a", "kills_once", "b")
-    fleet = learn_fleet(drives(*names), tmp_path / "out", execution=execution, job=job)
-    assert not (tmp_path / "once").exists()
-    assert fleet.learned == learn_fleet(drives(*names), tmp_path / "alone", job=quick).learned
-
-
 @pytest.mark.parametrize("where", ["serial", "threads"])
 def test_interrupted_and_resumed_is_the_same_as_never_interrupted(where, drives, files, tmp_path):
     fleet = drives("a", "b", "c", "d")
