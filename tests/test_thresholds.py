@@ -78,7 +78,7 @@ from stickslip.trial.candidates import CompensatorComparison, Row
 from stickslip.trial.family import Drive, Evidence, deflections, family, onsets
 from stickslip.trial.hold import Hold, hunting_at_rest
 from stickslip.tuning import loop_learning, refinement
-from tests.stickslip.identification.synthetic_predictions import predicted
+from tests.stickslip.identification.selection.test_choice import predicted
 from tests.stickslip.logs.rigid_drive import rigid_drive
 from tests.stickslip.tuning.test_drive_model import models
 

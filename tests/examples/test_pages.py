@@ -137,8 +137,8 @@ def printed(tutorial, tmp_path_factory):
     return printed
 
 
-LONG = {"docs/arena", "docs/fleet", "docs/learning", "docs/rig"}
-"""Pages whose commands learn further drives, or compare compensators."""
+LONG = {"docs/arena", "docs/fleet", "docs/learning", "docs/rig", "docs/tuning"}
+"""Pages whose commands learn and tune further drives, or compare compensators."""
 RUN = [
     str(page.relative_to(ROOT).with_suffix(""))
     for page in PAGES

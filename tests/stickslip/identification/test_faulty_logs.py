@@ -1,13 +1,24 @@
-"""Logs that mislead: the fault is named with its figure, and nothing is called identifiable."""
+"""Logs that mislead: the fault is named, and what it hides is not called identifiable."""
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from drives import GAINS, run
 
-from stickslip.identification.estimation import Task, learn
-from stickslip.logs import Finding, Recording
+from campaigns.fault_matrix import DRIVES, Experiment, record
+from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.runs import candidate_fmus
+from stickslip.identification.estimation import LearnSettings, Task, learn
+from stickslip.identification.estimation.faults import change_of_friction
+from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
+from stickslip.identification.fitting.start import begin
+from stickslip.logs import Controller, Finding, Recording
 from stickslip.planning import Limits, plan
+from stickslip.servo.axis import ControlError
+from stickslip.servo.systems import build_fmus
+from stickslip.trial.compensator_trial import loops_of_log
+from tests.kept import further
 
 pytestmark = pytest.mark.slow
 
@@ -44,3 +55,64 @@ def test_rejected_gains_change_nothing(short, candidates):
     assert rejected.known == without.known
     assert rejected.parameters == without.parameters
     assert without.known["F_c"].identifiability == "identifiable"
+
+
+F_C = 2.0
+
+
+def slow(mass):
+    """Return a log of a slow motion whose force has noise, and a mass of this size."""
+    t = np.arange(4000) * 5e-3
+    rate = 2.0 * np.pi * 0.3
+    x, v = 0.05 * np.sin(rate * t), 0.05 * rate * np.cos(rate * t)
+    noise = 0.1 * np.random.default_rng(5).standard_normal(4000)
+    return Recording(t, x, F_C * np.sign(v) + mass * -(rate**2) * x + noise, source="slow.csv")
+
+
+@pytest.mark.parametrize(("mass", "spoils"), [(-0.02, ""), (-5.0, "intervals")])
+def test_friction_is_learned_without_a_mass(mass, spoils):
+    recording = slow(mass)
+    with candidate_fmus("coulomb_stribeck") as fmus:
+        settings = LearnSettings(law="coulomb_stribeck")
+        found = learn(Task(fmus, recording, None, settings))
+    [fault] = [one for one in found.faults if "m" in one.hides]
+    assert fault.spoils == spoils
+    assert found.known["m"].identifiability == NOT_IDENTIFIABLE
+    assert found.known["F_c"].value == pytest.approx(F_C, rel=0.1)
+    reading = type("Reading", (), {"recording": recording, "controller": Controller(), "tau_i": 0})
+    with pytest.raises(ControlError, match="the mass does not show"):
+        loops_of_log(reading, found)
+
+
+def recorded(name, drift, folder):
+    drive = DRIVES[name]
+    build_fmus(folder, {"law": drive.law, **drive.parameters})
+    log, _ = record(folder, drive, Experiment(drift=drift), seed=0)
+    return Recording(*(log[column].to_numpy() for column in ("time", "position", "force")))
+
+
+@pytest.mark.parametrize(
+    ("name", "drift"),
+    [
+        *(("coulomb_stribeck", 0.0), ("gms", 0.3)),
+        *further(("Table 2", 0.0), ("gms", 0.0), ("Table 2", 0.3), ("coulomb_stribeck", 0.3)),
+    ],
+)
+def test_a_change_of_friction_is_found_whatever_the_law(name, drift, candidates, tmp_path):
+    """The mean of a friction that falls to 70 % is 85 %."""
+    truth = -drift / 0.95 / 0.85
+    recording = recorded(name, drift, tmp_path)
+    with InverseModel(candidates, recording) as model:
+        start = begin(model, recording)
+        change, error = change_of_friction(model.over(start.space), start.line)
+    assert abs(change - truth) < 3.0 * error < 0.3
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("drift", "flagged"), [(0.0, False), (0.3, True)])
+def test_no_parameter_is_well_identified_where_friction_changes(
+    drift, flagged, candidates, tmp_path
+):
+    learned = learn(Task(candidates, recorded("Table 2", drift, tmp_path)))
+    assert any("friction changes over" in str(found) for found in learned.faults) == flagged
+    assert (learned.known["m"].identifiability == "identifiable") != flagged

@@ -117,12 +117,6 @@ def test_with_an_onset_moves_are_left_alone_in_which_a_drive_may_stick():
     assert found[0]["fast"] < found[1]["fast"] < min(found[2]["fast"], 0.95)
 
 
-def test_creep_has_two_speeds_where_friction_does_not_rise_towards_rest():
-    level = {**TABLE_2, "F_s": TABLE_2["F_c"]}
-    speeds = [one.speed for one in commands(VALIDATION, 5e-4, level)[2:4]]
-    assert speeds == pytest.approx([0.001 * VALIDATION.height, 0.01 * VALIDATION.height])
-
-
 def test_each_drive_creeps_below_its_own_stribeck_velocity():
     """As fitted at 0.3 and 0.15 v_s, as drawn at one of them; at the same speed at each level."""
     draws = [{**TABLE_2, "v_s": k * TABLE_2["v_s"]} for k in (0.5, 1.0, 1.5, 2.0)]
