@@ -140,12 +140,6 @@ def test_a_file_without_mass_is_refused_in_one_line_and_nothing_is_written(tmp_p
         assert not out.exists()
 
 
-def test_there_are_drives_of_several_sources():
-    drives = [ss.drive(name) for name in ss.drive_names()]
-    assert len({one.source.partition(",")[0] for one in drives}) >= 6
-    assert {one.rotary for one in drives} == {False, True}
-
-
 @pytest.mark.parametrize("name", ss.drive_names())
 def test_each_drive_is_described_and_slides_at_the_speed_of_its_friction(name):
     """A constant force u ends at the speed v with u = F_c + b v, far above v_s."""

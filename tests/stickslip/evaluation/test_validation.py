@@ -64,13 +64,6 @@ def drive(request):
         yield rig, design_velocity_loop(rig.datasheet.axis(PAPER["m"], PAPER["b"]), LOOP)
 
 
-def test_the_phases_spread_over_a_step_and_show_the_same_position_at_first():
-    assert len(PHASES) >= 8
-    assert PHASES[0] == 0.0
-    assert np.diff(sorted(PHASES)) == pytest.approx(1.0 / len(PHASES))
-    assert np.abs(PHASES).max() < 0.5
-
-
 def test_the_drive_begins_at_each_phase_with_other_noise(drive):
     rig, loop = drive
     starts = beginnings(paper_loop(rig.fmus, loop, None), PHASES)

@@ -472,11 +472,3 @@ def test_a_learned_drive_is_one_more_drive(tmp_path):
     document = found.documents["paper", "static"]["tuned"]["paper"]
     assert document["coarse"]["speed"] == pytest.approx(0.02, rel=0.1)
     assert document["coarse"]["friction"] == pytest.approx(PAPER["F_c"], rel=0.1)
-
-
-def test_a_scaled_command_has_relative_errors_of_the_same_size():
-    command = COMMANDS["V"]
-    half = command.scaled(0.5)
-    assert half.sample(5e-4) == pytest.approx(0.5 * command.sample(5e-4))
-    assert half.relative["0.1 mm/s"] == 0.5 * command.relative["0.1 mm/s"]
-    assert command.scaled(1.0) is command
