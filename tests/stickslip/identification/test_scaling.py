@@ -15,6 +15,9 @@ def test_common_drives_are_left_alone_and_others_brought_near():
     assert scale.force * 0.02 == pytest.approx(10.0, rel=3.0)
     assert 1e-2 < scale.length * 60.0 < 0.2
     assert np.log10(scale.force) % 1.0 == 0.0
+    values = {"m": 2e-4, "b": 1e-4, "F_c": 0.02}
+    assert scale.restored(scale.values(values)) == pytest.approx(values)
+    assert scale.values(values)["F_c"] == pytest.approx(0.02 * scale.force)
 
 
 def test_a_recording_is_scaled_and_back():

@@ -1,5 +1,7 @@
 """A loop with compensators in one call, against the designs that it is made of."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -25,6 +27,15 @@ def error(system, T_s):
     v_cmd = ss.Trapezoid(height=0.02, slope=0.1, plateau=0.1, begin=0.05)
     result = ss.simulate(system, stop=1.0, step=T_s, inputs={"v_cmd": v_cmd})
     return np.sqrt(np.mean((result["drive.v"] - result["nominal.v_r"]) ** 2))
+
+
+@pytest.mark.parametrize("tau_i", [2e-4, 0.0])
+def test_without_friction_it_is_the_nominal_loop(loop, tmp_path, tau_i):
+    loop = loop.changed(axis=replace(loop.axis, tau_i=tau_i))
+    system = ss.closed_loop(loop, folder=tmp_path, drive=IDEAL)
+    result = ss.simulate(system, stop=0.05, step=loop.T_s / 20, inputs={"v_cmd": 0.01})
+    gap = (result["drive.v"] - result["nominal.v_r"])[::20]
+    assert np.abs(gap).max() < 1e-6
 
 
 @pytest.mark.parametrize("law", ["lugre", "gms"])
