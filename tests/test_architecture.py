@@ -37,9 +37,10 @@ ROOMS_OF_STICKSLIP = (
     *("studies.compare", "studies.fleet", "studies.tune", "studies.validate"),
     *("app", "precompile", "commands", "cli", "__main__"),
 )
-# They import what runs a system when they are called.
-THIN_METHODS = {
-    f"stickslip.cosim.system.system.{name}.prepare" for name in ("System", "Specification")
+# ``prepare`` of a system imports what runs it when it is called, and for its annotation.
+LATE = {
+    ("stickslip.cosim.system.system", f"stickslip.cosim.{room}.simulation")
+    for room in ("run", "isolation")
 }
 MOST_POSITIONS, MOST_PARAMETERS = 4, 8
 UNCOUNTED = ("stickslip.papers.lugre", "stickslip.studies.arena")
@@ -91,37 +92,15 @@ def targets(node: ast.AST) -> Iterator[str]:
             yield from [name for name in (full, node.module) if name in sources()][:1]
 
 
-def permitted(module: str, tree: ast.Module) -> set[ast.AST]:
-    """Return the imports in a thin method, and those of names that only annotate its result."""
-    methods = [
-        item
-        for cls in tree.body
-        if isinstance(cls, ast.ClassDef)
-        for item in cls.body
-        if isinstance(item, ast.FunctionDef) and f"{module}.{cls.name}.{item.name}" in THIN_METHODS
-    ]
-    if not methods:
-        return set()
-    results = {method.returns.id for method in methods if isinstance(method.returns, ast.Name)}
-    inside = {node for method in methods for node in ast.walk(method)}
-    elsewhere = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and n not in inside}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom):
-            names = {alias.asname or alias.name for alias in node.names}
-            if names <= results - elsewhere:
-                inside.add(node)
-    return inside
-
-
 @cache
 def edges() -> tuple[tuple[str, str], ...]:
-    """Return which module imports which other, wherever in it, but for the thin methods above."""
+    """Return which module imports which other, wherever in it, but for those named above."""
     return tuple(
         (module, name)
         for module, tree in sources().items()
-        for node in {*imports(tree)} - permitted(module, tree)
+        for node in imports(tree)
         for name in targets(node)
-        if name != module
+        if name != module and (module, name) not in LATE
     )
 
 

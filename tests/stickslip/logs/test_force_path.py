@@ -161,23 +161,14 @@ T = np.arange(N) * T_S
 TRAPEZOID = 0.1 * np.clip(8.0 * np.sin(2 * np.pi * 0.25 * T), -1.0, 1.0)
 
 
-def run(force=None, b=0.0, limits=(-math.inf, math.inf), m=3.0, F_c=6.0) -> Recording:
-    """Simulate a drive under a force (n,), or in a PI velocity loop that follows ``TRAPEZOID``."""
-    x = v = F = total = 0.0
-    log = np.empty((N, 3))
-    for k in range(N):
-        error = TRAPEZOID[k] - v
-        command = 200.0 * m * error + total if force is None else force[k]
-        applied = min(max(command, limits[0]), limits[1])
-        total += 6000.0 * m * T_S * error * (applied == command)
-        for _ in range(10):
-            F += 0.1 * (applied - F)
-            v += 0.1 * T_S / m * (F - b * v - F_c * math.tanh(v / 2e-4))
-            x += 0.1 * T_S * v
-        log[k] = round(x / 1e-7) * 1e-7, F, command
-    x, F, command = log.T
-    command = {"velocity_command": TRAPEZOID} if force is None else {"force_command": command}
-    return Recording(T, x, F, **command, encoder_step=1e-7)
+def run(force=None, b=0.0, limits=(-math.inf, math.inf)) -> Recording:
+    """Return a log of a drive under a force (n,), or in a PI loop that follows ``TRAPEZOID``."""
+    loop = {"K_p": 600.0, "K_i": 18000.0} if force is None else {}
+    drive = {"m": 3.0, "b": b, "F_c": 6.0, "F_s": 6.0, "v_s": 1.0, "T_s": T_S, "encoder": 1e-7}
+    drive |= dict(zip(("u_min", "u_max"), limits, strict=True))
+    found = simulator.run("coulomb_stribeck", drive | loop, TRAPEZOID, F_ff=force)
+    command = {"velocity_command": TRAPEZOID} if loop else {"force_command": found["commanded"]}
+    return Recording(T, found["encoder"], found["force"], **command, encoder_step=1e-7)
 
 
 def said(recording) -> str:
