@@ -77,6 +77,7 @@ class Unreliable:
         fate = next((name for name, n in self.EVERY.items() if k % n == 0), "")
         self.fates[fate] += 1
         if fate == "cut":
+            self._real.close()
             raise OSError("the line was cut")
         late, self._late[way] = self._late[way], b""
         if fate == "late":  # behind the next one
