@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from drives import GAINS, STAGE, run, write_log
 
 from stickslip import cosim
 from stickslip.catalog.parameters import estimated, friction_law, tabulated
@@ -15,6 +14,7 @@ from stickslip.papers.lugre.reproduction import Options, drive_truth, reproduce
 from stickslip.planning import Limits, plan
 from stickslip.rigs.fmu import rig_of
 from stickslip.servo.axis import LOOP
+from tests.stickslip.identification.drives import GAINS, STAGE, run, write_log
 
 pytestmark = pytest.mark.slow
 

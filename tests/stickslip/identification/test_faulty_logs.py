@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drives import GAINS, run
 
 from campaigns.fault_matrix import DRIVES, Experiment, record
 from stickslip.identification.criteria.inverse_model import InverseModel
@@ -19,6 +18,7 @@ from stickslip.servo.axis import ControlError
 from stickslip.servo.systems import build_fmus
 from stickslip.trial.compensator_trial import loops_of_log
 from tests.kept import further
+from tests.stickslip.identification.drives import GAINS, run
 
 pytestmark = pytest.mark.slow
 

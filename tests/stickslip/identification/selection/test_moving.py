@@ -4,7 +4,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from drives import STAGE, run
 
 from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.held_out import blocks, folds, is_less
@@ -13,6 +12,7 @@ from stickslip.identification.selection.folds import moving
 from stickslip.logs import Recording
 from stickslip.planning import plan
 from tests.kept import further
+from tests.stickslip.identification.drives import STAGE, run
 
 N, T_S, MEMORY = 8000, 1e-3, 10
 T = T_S * np.arange(N)
