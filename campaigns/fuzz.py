@@ -10,7 +10,6 @@ import faulthandler
 import io
 import json
 import logging
-import math
 import re
 import struct
 import tempfile
@@ -45,6 +44,8 @@ from stickslip.studies.fleet.table import read_fleet
 from tests.corpus.defects import reference
 from tests.corpus.hostile import CASES
 from tests.corpus.hostile import packages as ssp
+from tests.stickslip.logs.test_malformed import TOML
+from tests.stickslip.logs.test_vendors import FILES
 
 _NUMBER = re.compile(rb"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
 _TOKEN = re.compile(rb"[\w.+-]+|\s+|.", re.DOTALL)
@@ -175,46 +176,22 @@ class Parser:
         return change(rng, rng.choice(self.corpus), self.corpus)
 
 
-def _rows(mark: str, end: str = "\n", point: str = ".") -> str:
-    rows = (
-        mark.join(f"{number:.9g}" for number in (k * 1e-2, math.sin(k / 9), math.cos(k / 9)))
-        for k in range(60)
-    )
-    return end.join(rows).replace(".", point) + end
-
-
-_DATED = "".join(f"2026-01-31T10:00:00.{k:03d},{k * k / 8e3},{-k / 8}\n" for k in range(30))
 TABLES = [
     b"time,u\n0,0\n0.5,1e-3\n1,2\n",
     b'\xef\xbb\xbf"time","a b",c\r\n0,1,2\r\n0,3,4\r\n1.5,-1,.5\r\n',
 ]
-LOGS = [
-    f"t,x,F\n{_rows(',')}".encode(),
-    f"Zeit;Position;Kraft\r\ns;mm;N\r\n{_rows(';', chr(13) + chr(10), ',')}".encode("latin-1"),
-    f"# a log\n# of a drive\ntime [ms]\tposition [deg]\ttorque [Nm]\n{_rows(chr(9))}".encode(),
-    f"time position force\n{_rows('  ')}".encode("utf-16"),
-    f"timestamp,position,force\n{_DATED}".encode(),
-]
+
+
 FLEETS = [
     b"name,log,config\na,a.csv,a.toml\nb,sub/b.mat,\n",
     b'\xef\xbb\xbfname,log\r\nx,"a, b.csv"\r\ny,c.csv\r\n',
 ]
-CONFIG = b"""motion = "rotary"
-encoder_step = 1e-6
-force_limit = "2*kt"
-span = [0.5, 20]
-delimiter = ";"
-[columns]
-time = "t"
-position = {name = "x", unit = "mm"}
-velocity = 3
-force = {name = "i", unit = "A", scale = "kt*2", offset = -0.1}
-[controller]
-kind = "cascade"
-K_x = 10
-K_p = 3.5
-K_i = "ki"
-"""
+
+
+def logs() -> list[bytes]:
+    """Return logs as the tools of vendors write them, 90 lines of each."""
+    texts = ["".join(text.splitlines(keepends=True)[:90]) for text in FILES.values()]
+    return [*(text.encode("latin-1") for text in texts), texts[0].encode("utf-16")]
 
 
 def read_log(file: Path) -> None:
@@ -366,9 +343,11 @@ def read_parquet(file: Path) -> None:
 
 PARSERS = {
     "csv": Parser("in.csv", cosim.read_tables, lambda: TABLES, by_words, (cosim.SignalError,)),
-    "log_csv": Parser("log.csv", read_log, lambda: LOGS, by_words, (StickslipError,)),
+    "log_csv": Parser("log.csv", read_log, logs, by_words, (StickslipError,)),
     "fleet": Parser("fleet.csv", fleet, lambda: FLEETS, by_words, (UsageError,)),
-    "config": Parser("log.toml", load_description, lambda: [CONFIG], by_words, (UsageError,)),
+    "config": Parser(
+        "log.toml", load_description, lambda: [TOML.encode()], by_words, (UsageError,)
+    ),
     "learned": Parser("learned.json", read_learned, learned_files, by_words, (UsageError,)),
     "checkpoint": Parser(
         "run.json",

@@ -15,7 +15,6 @@ from stickslip import cosim
 from stickslip.cosim import ParameterError, Table
 from stickslip.cosim.signals.signals import Input
 from stickslip.cosim.signals.tables import Inputs
-from stickslip.cosim.ssp.structure import Package
 from stickslip.errors import UsageError, number, with_settings
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write

@@ -2,6 +2,7 @@
 
 import ast
 import re
+from collections import defaultdict
 from collections.abc import Iterator
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
@@ -22,40 +23,24 @@ ALLOWED = {
 }
 # From the lowest to the highest: each room uses those before it and those beside it.
 ROOMS_OF_COSIM = (
-    *(
-        {"errors", "display"},
-        {"kernel"},
-        {"component", "fmu"},
-        {"signals"},
-        {"system"},
-        {"function"},
-    ),
-    *({"assembly"}, {"run"}, {"isolation"}, {"control"}, {"ssp"}, {"container"}),
+    *("errors display", "kernel", "component fmu", "signals", "system", "function"),
+    *("assembly", "run", "isolation", "control", "ssp", "container"),
 )
 # The ground first. A room imports rooms before it only; a study or paper is a room of its own.
 ROOMS_OF_STICKSLIP = (
     *("thresholds", "errors", "versions", "toml_files", "output"),
     *("storage", "catalog", "servo", "presentation", "work", "compensators", "planning"),
     *("logs", "rigs", "identification", "evaluation", "tuning", "trial", "learned", "loops"),
-    *(
-        "arguments",
-        "keywords",
-        "simulation",
-        "contents",
-        "laws",
-        "blocks",
-        "figures",
-        "sweeping",
-        "system",
-        "drives",
-    ),
+    *("arguments", "keywords", "simulation", "contents", "laws", "blocks", "figures"),
+    *("sweeping", "system", "drives"),
     *("commandline", "studies.arena", "studies.survey", "studies.learn", "papers.lugre"),
     *("studies.compare", "studies.fleet", "studies.tune", "studies.validate"),
     *("app", "precompile", "commands", "cli", "__main__"),
 )
-# They import what runs a system when they are called.
-THIN_METHODS = {
-    f"stickslip.cosim.system.system.{name}.prepare" for name in ("System", "Specification")
+# ``prepare`` of a system imports what runs it when it is called, and for its annotation.
+LATE = {
+    ("stickslip.cosim.system.system", f"stickslip.cosim.{room}.simulation")
+    for room in ("run", "isolation")
 }
 MOST_POSITIONS, MOST_PARAMETERS = 4, 8
 UNCOUNTED = ("stickslip.papers.lugre", "stickslip.studies.arena")
@@ -84,32 +69,6 @@ def imports(tree: ast.Module) -> tuple[ast.AST, ...]:
     return tuple(n for n in ast.walk(tree) if isinstance(n, ast.Import | ast.ImportFrom))
 
 
-def imported(tree: ast.Module) -> Iterator[str]:
-    """Yield the packages of stickslip that a module imports, by folder, wherever in it."""
-    for node in imports(tree):
-        names = []
-        if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-            names = [f"{node.module}.{alias.name}" for alias in node.names]
-        for name in names:
-            top, _, rest = f"{name}.".partition(".")
-            if top == "stickslip":
-                below = rest.split(".")[0]
-                yield below if below in ALLOWED else "stickslip"
-
-
-@pytest.mark.parametrize("package", ALLOWED)
-def test_arrows_run_down(package):
-    wrong = [
-        f"{path.relative_to(ROOT)} imports {name}"
-        for path in modules(package)
-        for name in imported(parsed(path))
-        if name not in {package, *ALLOWED[package]}
-    ]
-    assert not wrong
-
-
 @cache
 def sources() -> dict[str, ast.Module]:
     """Return the modules of the product by import name."""
@@ -133,99 +92,73 @@ def targets(node: ast.AST) -> Iterator[str]:
             yield from [name for name in (full, node.module) if name in sources()][:1]
 
 
-def permitted(module: str, tree: ast.Module) -> set[ast.AST]:
-    """Return the imports in a thin method, and those of names that only annotate its result."""
-    methods = [
-        item
-        for cls in tree.body
-        if isinstance(cls, ast.ClassDef)
-        for item in cls.body
-        if isinstance(item, ast.FunctionDef) and f"{module}.{cls.name}.{item.name}" in THIN_METHODS
+@cache
+def edges() -> tuple[tuple[str, str], ...]:
+    """Return which module imports which other, wherever in it, but for those named above."""
+    return tuple(
+        (module, name)
+        for module, tree in sources().items()
+        for node in imports(tree)
+        for name in targets(node)
+        if name != module and (module, name) not in LATE
+    )
+
+
+def folder_of(module: str) -> str:
+    """Return the folder of a module, which for the application is ``stickslip``."""
+    below = module.partition(".")[2].split(".")[0]
+    return below if below in ALLOWED else "stickslip"
+
+
+def room_of(module: str) -> str:
+    """Return the room of a module of the application, its folder or, on top, the module itself."""
+    parts = module.split(".")[1:]
+    if folder_of(module) != "stickslip" or parts in ([], ["studies"], ["papers"]):
+        return ""
+    return ".".join(parts[: 2 if parts[0] in ("studies", "papers") else 1])
+
+
+def room_of_cosim(module: str) -> str:
+    return module.removeprefix("stickslip.cosim.").split(".")[0] if ".cosim." in module else ""
+
+
+def test_arrows_run_down():
+    wrong = [
+        f"{module} imports {name}"
+        for module, name in edges()
+        if folder_of(name) not in {folder_of(module), *ALLOWED[folder_of(module)]}
     ]
-    if not methods:
-        return set()
-    results = {method.returns.id for method in methods if isinstance(method.returns, ast.Name)}
-    inside = {node for method in methods for node in ast.walk(method)}
-    elsewhere = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and n not in inside}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom):
-            names = {alias.asname or alias.name for alias in node.names}
-            if names <= results - elsewhere:
-                inside.add(node)
-    return inside
+    assert not wrong
 
 
 def test_no_circle_of_modules():
-    """Annotations and imports in functions count; the thin methods named above do not."""
-    graph = {}
-    for module, tree in sources().items():
-        skipped = permitted(module, tree)
-        nodes = (node for node in imports(tree) if node not in skipped)
-        graph[module] = {name for node in nodes for name in targets(node)} - {module}
+    graph = defaultdict(set)
+    for module, name in edges():
+        graph[module].add(name)
     try:
         TopologicalSorter(graph).prepare()
     except CycleError as fault:
         pytest.fail(f"circle: {' -> '.join(fault.args[1])}")
 
 
-def test_rooms_of_cosim_have_an_order():
+@pytest.mark.parametrize(
+    ("rooms", "room"), [(ROOMS_OF_COSIM, room_of_cosim), (ROOMS_OF_STICKSLIP, room_of)]
+)
+def test_rooms_have_an_order(rooms, room):
     """A module imports from its own room, from rooms beside it and from rooms before it."""
-    place = {room: i for i, rooms in enumerate(ROOMS_OF_COSIM) for room in rooms}
-    wrong = []
-    for module, tree in sources().items():
-        if not module.startswith("stickslip.cosim."):
-            continue
-        skipped = permitted(module, tree)
-        room = module.split(".")[2]
-        for node in imports(tree):
-            for name in () if node in skipped else targets(node):
-                other = name.split(".")[2:3]
-                if name.startswith("stickslip.cosim.") and place[other[0]] > place[room]:
-                    wrong.append(f"{module} imports {name}")
-    assert not wrong
-    present = {name.split(".")[2] for name in sources() if name.startswith("stickslip.cosim.")}
-    assert present == place.keys()
-
-
-def room_of(module: str) -> str:
-    """Return the room of a module of the application, its folder or, on top, the module itself."""
-    parts = module.split(".")[1:]
-    return ".".join(parts[: 2 if parts[0] in ("studies", "papers") else 1])
-
-
-def own_sources() -> dict[str, ast.Module]:
-    """Return the modules of the application that lie in a room."""
-    no_room = ("stickslip", "stickslip.studies", "stickslip.papers")
-    return {
-        name: tree
-        for name, tree in sources().items()
-        if name not in no_room and name.split(".")[1] not in ALLOWED
-    }
-
-
-def test_rooms_of_the_application_have_an_order():
-    """So no rooms form a circle; imports in functions and for annotations count as well."""
-    place, own = {room: i for i, room in enumerate(ROOMS_OF_STICKSLIP)}, own_sources()
+    place = {one: k for k, beside in enumerate(rooms) for one in beside.split()}
     wrong = [
         f"{module} imports {name}"
-        for module, tree in own.items()
-        for node in imports(tree)
-        for name in targets(node)
-        if name in own and place[room_of(name)] > place[room_of(module)]
+        for module, name in edges()
+        if room(module) and room(name) and place[room(name)] > place[room(module)]
     ]
     assert not wrong
-    assert {room_of(name) for name in own} == place.keys()
+    assert {*map(room, sources())} == {"", *place}
 
 
 def test_the_workbench_uses_the_public_interface():
-    wrong = [
-        f"{module} imports {name}"
-        for module, tree in own_sources().items()
-        for node in imports(tree)
-        for name in targets(node)
-        if room_of(module) == "app" and name != "stickslip" and room_of(name) != "app"
-    ]
-    assert not wrong
+    own = [(module, name) for module, name in edges() if room_of(module) == "app"]
+    assert {name for _, name in own if room_of(name) != "app"} == {"stickslip"}
 
 
 def counted() -> Iterator[tuple[str, ast.AST]]:

@@ -76,9 +76,10 @@ from stickslip.trial.benefit import NONE, MotionErrors, TrialError
 from stickslip.trial.candidates import CompensatorComparison, Row
 from stickslip.trial.family import Drive, Evidence, deflections, family, onsets
 from stickslip.trial.hold import Hold, hunting_at_rest
-from stickslip.tuning import drive_model, loop_learning, refinement
-from tests.stickslip.identification.synthetic_predictions import predicted
+from stickslip.tuning import loop_learning, refinement
+from tests.stickslip.identification.selection.test_choice import predicted
 from tests.stickslip.logs.rigid_drive import rigid_drive
+from tests.stickslip.tuning.test_drive_model import models
 
 ROOT = Path(thresholds.__file__).parents[2]
 MODULES = thresholds.modules()
@@ -845,32 +846,6 @@ def is_run(Ms):
     return not raises(lambda: loop_learning.LoopCost.__call__(cost, values), ga.CandidateFailed)
 
 
-def models(starts, ends=(), default=9.0):
-    """Return the laws of models, and those searched, by their mismatch before and after that."""
-    searched = []
-
-    def search(law):
-        one = namespace(model=namespace(law=law, mismatch=starts.get(law, default)))
-
-        def to(*_):
-            searched.append(law)
-            one.model.mismatch = dict(ends).get(law, one.model.mismatch)
-
-        one.to = to
-        return one
-
-    with patch.multiple(
-        drive_model,
-        LoopRuns=lambda _: namespace(close=list),
-        errors_of=lambda _: None,
-        Mismatch=lambda _, law, __: nullcontext(law),
-        LawSearch=search,
-    ):
-        rig = namespace(law=namespace(name="lugre"))
-        found = drive_model.fit_models(namespace(rig=rig))
-    return [one.law for one in found], searched
-
-
 def is_refused_log(error):
     """Return whether a log is refused whose times are wrong by a share."""
     t = np.arange(9) * T_S
@@ -1120,8 +1095,8 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "kept.SENSITIVITY": (lambda: is_run(2.5), False, True),
     "kept.CHATTER": (lambda: is_within(chatter=0.45), False, True),
     "kept.FORCE/2": (lambda: is_within(peak=0.7), True, False),
-    "kept.ERRS_ALIKE": (lambda: models({"lugre": 0.15})[1] != [], True, False),
-    "kept.ERRS_WELL": (lambda: len(models({"lugre": 0.15}, {"lugre": 0.07})[1]), 2, 1),
+    "kept.ERRS_ALIKE": (lambda: bool(models({"lugre": 0.15})[1]), True, False),
+    "kept.ERRS_WELL": (lambda: models({"lugre": 0.15}, {"lugre": 0.07})[1]["lugre"], 300, 60),
     "kept.HOPELESS": (lambda: "gms" in models({"lugre": 0.2, "gms": 0.6})[1], False, True),
     "kept.FURTHER": (lambda: models({"lugre": 0.2, "gms": 0.3})[0], ["lugre"], ["lugre", "gms"]),
     "rig_tuning.WORSE": (lambda: goes_on(ratio=1.5), False, True),

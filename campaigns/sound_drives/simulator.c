@@ -17,7 +17,7 @@ typedef struct {
     double g_s, g_c, mu_g;         /* an arm's weight: sine and cosine of x; friction over it */
     double pitch, s_1, c_1, s_2, c_2; /* cogging: two harmonics */
     double motor, held;               /* force of motor and integral at the start */
-    double K_p, K_i, K_x, velocity_feedforward, tau_f, T_s, u_max;
+    double K_p, K_i, K_x, velocity_feedforward, tau_f, T_s, u_min, u_max;
     double encoder, phase; /* step, and where in it the drive begins [1] */
 } Drive;
 
@@ -207,7 +207,7 @@ record(int law, const Drive *d, int n, const double *v_cmd, const double *x_cmd,
         double u = d->K_p * e + next + (F_ff ? F_ff[k] : 0.0);
         if (added)
             u += added(v_cmd[k], x_cmd[k], shown, F_m);
-        limited = fmin(fmax(u, -d->u_max), d->u_max);
+        limited = fmin(fmax(u, fmax(d->u_min, -d->u_max)), d->u_max);
         if (limited == u || (u - limited) * e < 0.0) /* anti-windup */
             integral = next;
         x_enc[k] = shown;

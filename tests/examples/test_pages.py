@@ -24,7 +24,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from tests.kept import further, kept
 
@@ -138,8 +137,8 @@ def printed(tutorial, tmp_path_factory):
     return printed
 
 
-LONG = {"docs/arena", "docs/fleet", "docs/learning", "docs/rig"}
-"""Pages whose commands learn further drives, or compare compensators."""
+LONG = {"docs/arena", "docs/fleet", "docs/learning", "docs/rig", "docs/tuning"}
+"""Pages whose commands learn and tune further drives, or compare compensators."""
 RUN = [
     str(page.relative_to(ROOT).with_suffix(""))
     for page in PAGES
@@ -227,65 +226,3 @@ def test_a_sliding_stage_follows_its_closed_form(printed):
     [velocity] = re.findall(r"([\d.]+) m/s", "".join(printed("README")))
     m, b, force = 5.557, 6.6135, 12.0 - 4.0
     assert float(velocity) == pytest.approx(force / b * (1 - np.exp(-b / m)), rel=0.01)
-
-
-@pytest.mark.slow
-def test_a_stiffer_loop_errs_less(printed):
-    text = "".join(printed("docs/python"))
-    errors = [float(x) for x in re.findall(r"error ([\d.]+) mm/s", text)]
-    assert len(errors) == 3
-    assert errors == sorted(errors, reverse=True)
-
-
-@pytest.mark.slow
-def test_the_search_finds_what_the_sweep_encloses(printed):
-    """The velocity at the end is (u - F_c) / b (1 - exp(-b t / m))."""
-    text = "".join(printed("docs/python"))
-    table = [line.split() for line in text.splitlines()]
-    ends = [float(row[3]) for row in table if len(row) == 4 and row[0].isdigit()]
-    m, b = 5.557, 6.6135
-    forces = [F_c for F_c in (1.0, 2.0, 4.0) for _ in range(2)]
-    masses = 3 * [5.0, 10.0]
-    expected = [
-        (12.0 - F) / b * (1 - np.exp(-b * 0.5 / m)) for F, m in zip(forces, masses, strict=True)
-    ]
-    assert ends == pytest.approx(expected, rel=0.02)
-    [F_c] = re.findall(r"F_c = ([\d.]+) N gives", text)
-    gain = (1 - np.exp(-b * 0.5 / m)) / b
-    assert float(F_c) == pytest.approx(12.0 - 0.5 / gain, rel=0.02)
-
-
-@pytest.mark.slow
-def test_the_notch_comes_back_with_its_poles(printed):
-    text = printed("docs/python")[-1]
-    poles = [complex(p.replace(" ", "")) for p in re.findall(r"[\d.]+ *[-+] *[\d.]+j", text)]
-    expected = np.exp(1e-3 * np.roots([1, 200, 4e4]))
-    assert sorted(poles, key=np.imag) == pytest.approx(sorted(expected, key=np.imag), abs=1e-6)
-
-
-@pytest.mark.slow
-def test_errors_of_coupling_fall_with_the_step_and_the_degree(printed):
-    """A mass with Dahl friction on a spring, against scipy's solution."""
-    m, b, sigma_0, F_c = 5.557, 6.6135, 3.9162e5, 5.999
-
-    def rates(_, state):
-        x, v, F = state
-        return v, (20.0 - 4e4 * x - b * v - F) / m, sigma_0 * (v - abs(v) * F / F_c)
-
-    solved = solve_ivp(rates, (0.0, 0.1), (0.0, 0.0, 0.0), "Radau", rtol=1e-9, atol=1e-12)
-    lines = re.findall(r"degree \d: x = (.*) um", "".join(printed("docs/cosimulation")))
-    ends = np.array([[float(x) for x in line.split(", ")] for line in lines])
-    errors = abs(ends - 1e6 * solved.y[0, -1])
-    assert errors.shape == (3, 3)
-    assert np.all(errors[:, 1:] < 0.7 * errors[:, :-1])  # halved steps
-    assert errors[0, -1] > 10.0 * errors[2, -1]
-
-
-@pytest.mark.slow
-def test_the_scale_follows_the_friction_of_a_drive_that_gets_warm(printed):
-    """ds/dt = rate (1 - 0.3 (1 - exp(-t / 20)) - s), but for the rests between the slides."""
-    [scale] = re.findall(r"scale after 60 s: ([\d.]+)", "".join(printed("docs/adaptation")))
-    rate, T = 0.05, 20.0  # equal time constants
-    assert rate * T == 1.0
-    expected = 0.7 + 0.3 * (1.0 + 60.0 / T) * np.exp(-60.0 / T)
-    assert float(scale) == pytest.approx(expected, abs=0.02)

@@ -1,6 +1,5 @@
 """Inputs, results, values by name and states of stickslip simulate."""
 
-import csv
 import json
 import re
 
@@ -135,31 +134,13 @@ def test_info_lists_the_items(sound, capsys):
     assert rows["items"]["mode"] == ["first = 1", "second = 2"]
 
 
-def rows_of(path, *header, cells):
-    with path.open("w", newline="") as file:
-        csv.writer(file).writerows([["time", *header], *cells])
-    return path
-
-
-@pytest.mark.parametrize("blank", [" ", "  ", "\t"])
-def test_a_cell_holds_an_array_row_by_row(tmp_path, blank):
-    path = rows_of(
-        tmp_path / "in.csv",
-        *("u", "v"),
-        cells=[[t, blank.join(["1", str(t), "-3e0"]), t] for t in (0, 1, 2)],
-    )
-    tables = ss.read_tables(path, ["u"])
-    assert list(tables) == ["u[1]", "u[2]", "u[3]", "v"]
-    np.testing.assert_array_equal(tables["u[2]"].values, [0, 1, 2])
-    assert [table.held for table in tables.values()] == [True, True, True, False]
-
-
 @pytest.mark.parametrize(
     ("cell", "says"),
     [("1 2", "expected 3 numbers as in the first row, got 2"), ("1 x 2", "expected a finite")],
 )
 def test_a_cell_of_another_length_names_line_and_column(tmp_path, cell, says):
-    path = rows_of(tmp_path / "in.csv", "u", cells=[[0, "1 2 3"], [1, cell]])
+    path = tmp_path / "in.csv"
+    path.write_text(f"time,u\n0,1 2 3\n1,{cell}\n")
     with pytest.raises(cosim.SignalError) as error:
         ss.read_tables(path)
     assert "line 3: column 'u" in str(error.value)

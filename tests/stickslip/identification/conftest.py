@@ -1,8 +1,5 @@
 """One recording of the paper's drive, learned from once; drives of other laws."""
 
-import sys
-from pathlib import Path
-
 import pytest
 
 from stickslip.identification.estimation import candidate_fmus
@@ -10,9 +7,6 @@ from stickslip.output import SILENT
 from stickslip.papers.lugre.record import reproduce_from_recording
 from stickslip.papers.lugre.reproduction import Options
 from tests.kept import kept
-
-sys.path.insert(0, str(Path(__file__).parent))  # drives
-
 
 TRUTH = {"m": 8.0, "F_c": 4.5, "F_s": 7.0, "sigma_0": 3e5, "v_s": 8e-4, "noise": 1.0}
 

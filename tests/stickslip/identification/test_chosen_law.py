@@ -5,16 +5,16 @@ import math
 
 import numpy as np
 import pytest
-from drives import STAGE, run, write_log
 
 from stickslip import cosim
 from stickslip.catalog.parameters import estimated, friction_law, tabulated
 from stickslip.cli import main
 from stickslip.identification.stages import identify
 from stickslip.papers.lugre.reproduction import Options, drive_truth, reproduce
-from stickslip.planning import plan
+from stickslip.planning import Limits, plan
 from stickslip.rigs.fmu import rig_of
 from stickslip.servo.axis import LOOP
+from tests.stickslip.identification.drives import GAINS, STAGE, run, write_log
 
 pytestmark = pytest.mark.slow
 
@@ -78,17 +78,23 @@ def test_a_law_that_does_not_fit_says_so():
 
 @pytest.mark.usefixtures("without_pictures", "untried")
 def test_a_log_of_another_law_gives_a_compensator_of_that_law(tmp_path):
-    command = plan()["velocity_command"].to_numpy()[:16_000]
-    dahl_log = write_log(tmp_path / "dahl.csv", run("dahl", command, uneven=0.0, sigma_1=0.0))
-    how = ["--law", "dahl", "--criterion", "inverse", "--out", str(tmp_path)]
-    assert main(["learn", "--log", str(dahl_log), *how]) == 0
+    """Recorded without damping of the bristles, which Dahl's law does not have.
+
+    The encoder rounds, as ours does: another phase, which a log does not tell, moves m by 0.04 %.
+    """
+    command = plan(Limits(duration=8.0))["velocity_command"].to_numpy()
+    drive = run("dahl", command, uneven=0.0, sigma_1=0.0, phase=0.5)
+    dahl_log = write_log(tmp_path / "dahl.csv", drive)
+    gains = [f"{name}={value}" for name, value in GAINS.items()]
+    how = ["--law", "dahl", "--encoder-step", "4e-7", "--controller", "PI", "--gain", *gains]
+    assert main(["learn", "--log", str(dahl_log), *how, "--out", str(tmp_path)]) == 0
     learned = json.loads((tmp_path / "learned.json").read_text())
-    assert learned["law"] == "dahl"
+    assert (learned["law"], learned["criterion"]) == ("dahl", "output error")
     assert learned["parameters"].keys() == {"sigma_0", "F_c", "m", "b"}
     assert learned["i"] == {"value": 1.0, "unit": "1"}
-    for name in ("sigma_0", "F_c", "m"):
-        known = learned["parameters"][name]
-        assert known["value"] == pytest.approx(STAGE[name], rel=0.05), name
+    for name, known in learned["parameters"].items():
+        apart = abs(known["value"] - STAGE[name])
+        assert apart < min(3.0 * known["standard_error"], 0.05 * STAGE[name]), name
     compensator = tmp_path / "compensator.fmu"
     assert {"sigma_0", "F_c", "i"} <= cosim.Fmu(compensator).variables.keys()
     assert "v_s" not in cosim.Fmu(compensator).variables

@@ -1,101 +1,36 @@
-"""Logs that mislead: the fault is named with its figure, and nothing is called identifiable."""
+"""Logs that mislead: the fault is named, and what it hides is not called identifiable."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from drives import GAINS, run
 
-from stickslip.identification.estimation import Task, learn
-from stickslip.logs import Finding, Recording, aligned, check_recording, samples_late
+from campaigns.fault_matrix import DRIVES, Experiment, record
+from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.runs import candidate_fmus
+from stickslip.identification.estimation import LearnSettings, Task, learn
+from stickslip.identification.estimation.faults import change_of_friction
+from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
+from stickslip.identification.fitting.start import begin
+from stickslip.logs import Controller, Finding, Recording
 from stickslip.planning import Limits, plan
+from stickslip.servo.axis import ControlError
+from stickslip.servo.systems import build_fmus
+from stickslip.trial.compensator_trial import loops_of_log
 from tests.kept import further
+from tests.stickslip.identification.drives import GAINS, run
 
 pytestmark = pytest.mark.slow
 
 LOST = Finding("warning", "rows are lost", "2 %", spoils="values")
 
 
-def recording(recorded, force=None, rows=slice(None)):
-    force = recorded["applied"] if force is None else force
-    return Recording(
-        recorded["t"][: len(recorded["t"][rows])],
-        recorded["position"][rows],
-        force=force[rows],
-        velocity_command=recorded["v_cmd"][rows],
-        encoder_step=4e-7,
-        source="elsewhere",
-    )
-
-
-@pytest.fixture(scope="module")
-def command():
-    return plan()["velocity_command"].to_numpy()
-
-
-@pytest.fixture(scope="module", params=["gms", *further("lugre")])
-def drive(request, command):
-    return request.param, run(request.param, command)
-
-
-def unreliable(log):
-    return [str(finding) for finding in check_recording(log) if finding.spoils]
-
-
-@pytest.fixture(scope="module")
-def limited(drive, command):
-    """Return a run whose force is at its limit for about an eighth of the time."""
-    runs = (run(drive[0], command, u_max=u_max) for u_max in np.arange(7.0, 20.0, 0.4))
-    at_limit = ((one, np.abs(one["applied"])) for one in runs)
-    return next(one for one, force in at_limit if np.mean(force >= force.max()) < 0.125)
-
-
-def test_a_sound_log_has_no_fault(drive):
-    log = recording(drive[1])
-    assert unreliable(log) == []
-    assert samples_late(log) == 0
-    assert aligned(log, 0) is log
-
-
-@pytest.mark.parametrize("samples", [10, -10, 40])
-def test_a_delay_is_taken_out(drive, samples):
-    log = recording(drive[1], np.roll(drive[1]["applied"], samples))
-    late = samples_late(log)
-    assert abs(late - samples) <= 1  # a sampled loop has half a sample of its own
-    [said] = [str(finding) for finding in check_recording(log) if "removed" in finding.advice]
-    assert said.startswith("warning: force is ")
-    assert f"{0.5 * late:.4g} ms are removed" in said
-    again = aligned(log, late)
-    assert samples_late(again) == 0
-    assert len(again.t) == len(log.t) - abs(late)
-    k = 1000 + max(-late, 0)
-    assert again.position[1000] == log.position[k]
-    assert again.force[1000] == log.force[k + late]
-
-
-@pytest.mark.parametrize("share", [0.005, 0.02, 0.1])
-def test_lost_rows_are_counted(drive, share):
-    n = len(drive[1]["t"])
-    rows = np.flatnonzero(np.random.default_rng(1).random(n) >= share)
-    [said] = unreliable(recording(drive[1], rows=rows))
-    assert "rows are lost under an even clock" in said
-    told = float(said.split(": ")[2].split("%")[0]) / 100.0
-    assert told == pytest.approx(share, rel=0.2)
-
-
-def test_a_limit_is_found_in_a_log_of_the_force_before_it_and_behind_it(limited):
-    most = np.abs(limited["applied"]).max()
-    [said] = unreliable(recording(limited, limited["commanded"]))
-    assert "the force was logged before a limit" in said
-    assert float(said.split("at most ")[1].split(";")[0]) == pytest.approx(most, rel=0.25)
-    [said] = unreliable(recording(limited))
-    assert f"force saturates at {most:.4g}: " in said
-
-
 @pytest.fixture(scope="module")
 def short():
     command = plan(Limits(duration=8.0))["velocity_command"].to_numpy()
-    return recording(run("lugre", command, uneven=0.0))
+    log = run("lugre", command, uneven=0.0)
+    signals = {"force": log["applied"], "velocity_command": log["v_cmd"]}
+    return Recording(log["t"], log["position"], **signals, encoder_step=4e-7, source="elsewhere")
 
 
 def test_a_force_out_of_scale_names_the_factor(short, candidates):
@@ -120,3 +55,64 @@ def test_rejected_gains_change_nothing(short, candidates):
     assert rejected.known == without.known
     assert rejected.parameters == without.parameters
     assert without.known["F_c"].identifiability == "identifiable"
+
+
+F_C = 2.0
+
+
+def slow(mass):
+    """Return a log of a slow motion whose force has noise, and a mass of this size."""
+    t = np.arange(4000) * 5e-3
+    rate = 2.0 * np.pi * 0.3
+    x, v = 0.05 * np.sin(rate * t), 0.05 * rate * np.cos(rate * t)
+    noise = 0.1 * np.random.default_rng(5).standard_normal(4000)
+    return Recording(t, x, F_C * np.sign(v) + mass * -(rate**2) * x + noise, source="slow.csv")
+
+
+@pytest.mark.parametrize(("mass", "spoils"), [(-0.02, ""), (-5.0, "intervals")])
+def test_friction_is_learned_without_a_mass(mass, spoils):
+    recording = slow(mass)
+    with candidate_fmus("coulomb_stribeck") as fmus:
+        settings = LearnSettings(law="coulomb_stribeck")
+        found = learn(Task(fmus, recording, None, settings))
+    [fault] = [one for one in found.faults if "m" in one.hides]
+    assert fault.spoils == spoils
+    assert found.known["m"].identifiability == NOT_IDENTIFIABLE
+    assert found.known["F_c"].value == pytest.approx(F_C, rel=0.1)
+    reading = type("Reading", (), {"recording": recording, "controller": Controller(), "tau_i": 0})
+    with pytest.raises(ControlError, match="the mass does not show"):
+        loops_of_log(reading, found)
+
+
+def recorded(name, drift, folder):
+    drive = DRIVES[name]
+    build_fmus(folder, {"law": drive.law, **drive.parameters})
+    log, _ = record(folder, drive, Experiment(drift=drift), seed=0)
+    return Recording(*(log[column].to_numpy() for column in ("time", "position", "force")))
+
+
+@pytest.mark.parametrize(
+    ("name", "drift"),
+    [
+        *(("coulomb_stribeck", 0.0), ("gms", 0.3)),
+        *further(("Table 2", 0.0), ("gms", 0.0), ("Table 2", 0.3), ("coulomb_stribeck", 0.3)),
+    ],
+)
+def test_a_change_of_friction_is_found_whatever_the_law(name, drift, candidates, tmp_path):
+    """The mean of a friction that falls to 70 % is 85 %."""
+    truth = -drift / 0.95 / 0.85
+    recording = recorded(name, drift, tmp_path)
+    with InverseModel(candidates, recording) as model:
+        start = begin(model, recording)
+        change, error = change_of_friction(model.over(start.space), start.line)
+    assert abs(change - truth) < 3.0 * error < 0.3
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("drift", "flagged"), [(0.0, False), (0.3, True)])
+def test_no_parameter_is_well_identified_where_friction_changes(
+    drift, flagged, candidates, tmp_path
+):
+    learned = learn(Task(candidates, recorded("Table 2", drift, tmp_path)))
+    assert any("friction changes over" in str(found) for found in learned.faults) == flagged
+    assert (learned.known["m"].identifiability == "identifiable") != flagged

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from stickslip import cosim
 from stickslip.catalog.parameters import UNITS
 from stickslip.errors import IdentificationError, UsageError
 from stickslip.identification.criteria import runs
@@ -65,20 +64,6 @@ def test_the_commissioning_loop_bears_a_third_and_three_times_its_mass(make_rig)
         recording = record_drive(make_rig(m=mass))
         assert np.abs(recording.force).max() < 100.0
         assert np.abs(np.gradient(recording.position, recording.T_s)).max() < 0.08
-
-
-def test_nothing_but_measurements_leaves_the_drive(make_rig, monkeypatch):
-    rig, seen, prepare = make_rig(F_c=7.0), [], cosim.Simulation.__init__
-
-    def watch(self, specification):
-        seen.append(specification)
-        prepare(self, specification)
-
-    monkeypatch.setattr(cosim.Simulation, "__init__", watch)
-    record_drive(rig)
-    (specification,) = seen
-    assert set(specification.record) == {"drive.x_enc", "drive.F_m"}
-    assert not [name for name in specification.system.parameters if name.startswith("drive.")]
 
 
 @pytest.mark.usefixtures("without_pictures")

@@ -1,7 +1,5 @@
 """Logs with known content."""
 
-from pathlib import Path
-
 import pandas as pd
 import pytest
 import scipy.io
@@ -11,26 +9,6 @@ from stickslip.logs import Recording
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
 from tests.stickslip.logs.rigid_drive import rigid_drive
-
-DATA = Path(__file__).resolve().parents[4] / "shared" / "data"
-
-
-def shared(name: str) -> Path:
-    """Return a file of measured data, or skip the test and say why."""
-    path = DATA / name
-    if not path.exists():
-        pytest.skip(f"{path} is not here")
-    return path
-
-
-@pytest.fixture
-def emps() -> Path:
-    return shared("emps/DATA_EMPS.mat")
-
-
-@pytest.fixture
-def tribometer() -> Path:
-    return shared("tribometer/test_data_2.txt")
 
 
 @pytest.fixture

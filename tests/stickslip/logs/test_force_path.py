@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from campaigns.sound_drives import simulator
 from stickslip.logs import Recording, aligned, check_recording, samples_late
 from stickslip.logs.force_path import force_path
 from stickslip.logs.motion import force_delay, signal_delay
@@ -25,6 +26,33 @@ def spoiled(force, recording=DRIVE):
 
 def test_a_sound_force_has_no_fault():
     assert spoiled(DRIVE.force + NOISE) == []
+    assert samples_late(DRIVE) == 0
+    assert aligned(DRIVE, 0) is DRIVE
+
+
+@pytest.mark.parametrize("samples", [10, -10, 40])
+def test_a_delay_is_taken_out(samples):
+    log = rigid_drive(n=8000, delay=samples, step=4e-7)
+    late = samples_late(log)
+    assert late == samples
+    [said] = [str(finding) for finding in check_recording(log) if "removed" in finding.advice]
+    assert said.startswith("warning: force is ")
+    assert f"{abs(late)} ms are removed" in said
+    again = aligned(log, late)
+    assert samples_late(again) == 0
+    assert len(again.t) == len(log.t) - abs(late)
+    k = 1000 + max(-late, 0)
+    assert again.position[1000] == log.position[k]
+    assert again.force[1000] == log.force[k + late]
+
+
+@pytest.mark.parametrize("share", [0.005, 0.02, 0.1])
+def test_lost_rows_are_counted(share):
+    rows = np.flatnonzero(np.random.default_rng(1).random(8000) >= share)
+    kept = {"position": DRIVE.position[rows], "force": DRIVE.force[rows], "encoder_step": 4e-7}
+    [said] = [one for one in check_recording(Recording(DRIVE.t[: len(rows)], **kept)) if one.spoils]
+    assert said.what == "rows are lost under an even clock"
+    assert float(said.figure.split("%")[0]) / 100.0 == pytest.approx(share, rel=0.2)
 
 
 @pytest.mark.parametrize("step", [2e-5, 1e-4])
@@ -111,26 +139,20 @@ def test_what_shows_no_delay(log):
     assert found is None or not found.known(log.T_s)
 
 
-@pytest.mark.parametrize("late", [0, 12, -5])
 @pytest.mark.parametrize(("mass", "viscous"), [(3.0, 60.0), (3.2, 44.0), (1.0, 20.0)])
-def test_of_a_force_that_switches(mass, viscous, late):
+def test_of_a_force_that_switches(mass, viscous):
     """A wrong delay with a negative mass, or Coulomb friction alone, explains it best."""
     t = np.arange(20000) * 1e-3
     force = 18.6 * np.sign(np.sin(2 * np.pi * (0.3 * t + 0.04 * t**2)))
-    x = v = 0.0
-    position = []
-    for F in np.repeat(force, 10):
-        w = v + 1e-4 * (F - viscous * v) / mass
-        v = np.sign(w) * max(abs(w) - 1e-4 * 7.6 / mass, 0.0)
-        x += 1e-4 * v
-        position.append(x)
-    shown = np.round(np.array(position[9::10]) / 1e-7) * 1e-7
-    logged = force[np.clip(np.arange(20000) - late, 0, None).clip(max=19999)]
-    drive = Recording(t, shown, logged, encoder_step=1e-7)
-    found = force_delay(drive)
-    assert found.value / 1e-3 == pytest.approx(late + 0.55, abs=0.1)  # held forces show half late
-    prompt = aligned(drive, samples_late(drive))
-    assert not list(force_path(prompt, force_delay(prompt)))
+    values = {"m": mass, "b": viscous, "F_c": 7.6, "F_s": 7.6, "v_s": 1.0, "T_s": 1e-3}
+    values |= {"K_p": 0.0, "encoder": 1e-7}
+    shown = simulator.run("coulomb_stribeck", values, 0.0 * t, F_ff=force)["encoder"][1:]
+    for late in (0, 12, -5):  # held forces show half a sample late
+        logged = force[np.clip(np.arange(19999) - late, 0, 19999)]
+        drive = Recording(t[:-1], shown, logged, encoder_step=1e-7)
+        assert force_delay(drive).value / 1e-3 == pytest.approx(late + 0.55, abs=0.1)
+        prompt = aligned(drive, samples_late(drive))
+        assert not list(force_path(prompt, force_delay(prompt)))
 
 
 T_S, N = 1e-3, 12_000
@@ -138,23 +160,14 @@ T = np.arange(N) * T_S
 TRAPEZOID = 0.1 * np.clip(8.0 * np.sin(2 * np.pi * 0.25 * T), -1.0, 1.0)
 
 
-def run(force=None, b=0.0, limits=(-math.inf, math.inf), m=3.0, F_c=6.0) -> Recording:
-    """Simulate a drive under a force (n,), or in a PI velocity loop that follows ``TRAPEZOID``."""
-    x = v = F = total = 0.0
-    log = np.empty((N, 3))
-    for k in range(N):
-        error = TRAPEZOID[k] - v
-        command = 200.0 * m * error + total if force is None else force[k]
-        applied = min(max(command, limits[0]), limits[1])
-        total += 6000.0 * m * T_S * error * (applied == command)
-        for _ in range(10):
-            F += 0.1 * (applied - F)
-            v += 0.1 * T_S / m * (F - b * v - F_c * math.tanh(v / 2e-4))
-            x += 0.1 * T_S * v
-        log[k] = round(x / 1e-7) * 1e-7, F, command
-    x, F, command = log.T
-    command = {"velocity_command": TRAPEZOID} if force is None else {"force_command": command}
-    return Recording(T, x, F, **command, encoder_step=1e-7)
+def run(force=None, b=0.0, limits=(-math.inf, math.inf)) -> Recording:
+    """Return a log of a drive under a force (n,), or in a PI loop that follows ``TRAPEZOID``."""
+    loop = {"K_p": 600.0, "K_i": 18000.0} if force is None else {}
+    drive = {"m": 3.0, "b": b, "F_c": 6.0, "F_s": 6.0, "v_s": 1.0, "T_s": T_S, "encoder": 1e-7}
+    drive |= dict(zip(("u_min", "u_max"), limits, strict=True))
+    found = simulator.run("coulomb_stribeck", drive | loop, TRAPEZOID, F_ff=force)
+    command = {"velocity_command": TRAPEZOID} if loop else {"force_command": found["commanded"]}
+    return Recording(T, found["encoder"], found["force"], **command, encoder_step=1e-7)
 
 
 def said(recording) -> str:
@@ -182,12 +195,12 @@ def test_a_plateau_that_was_commanded_is_no_limit(name):
 
 
 @pytest.mark.parametrize("limits", [(-7.5, 7.5), (-math.inf, 7.5), (-7.5, math.inf)])
-@pytest.mark.parametrize("noise", [0.0, 0.03])
-def test_a_limit_is_found_where_the_error_of_the_motion_grows(limits, noise):
+def test_a_limit_is_found_where_the_error_of_the_motion_grows(limits):
     log = run(limits=limits)
-    noise = noise * np.random.default_rng(0).standard_normal(N)
-    found = said(replace(log, force=log.force + noise))
-    assert float(found.split("saturates at ")[1].split(":")[0]) == pytest.approx(7.5, rel=0.02)
+    for size in (0.0, 0.03):
+        noise = size * np.random.default_rng(0).standard_normal(N)
+        found = said(replace(log, force=log.force + noise))
+        assert float(found.split("saturates at ")[1].split(":")[0]) == pytest.approx(7.5, rel=0.02)
 
 
 def test_a_limit_is_found_where_the_force_command_is_larger():
@@ -197,3 +210,11 @@ def test_a_limit_is_found_where_the_force_command_is_larger():
     share = np.mean((log.force > 12.8) | (log.force < -10.8))
     assert float(told.split("%")[0]) == pytest.approx(100 * share, rel=0.1)
     assert "saturates" not in said(replace(log, force_command=log.force))
+
+
+def test_a_force_that_was_logged_before_a_limit():
+    command = 16.0 * np.sin(2 * np.pi * (0.3 * T + 0.04 * T**2))
+    log = run(command, b=90.0, limits=(-13.0, 13.0))
+    [found] = spoiled(log.force_command, replace(log, force_command=None))
+    assert "the force was logged before a limit" in found
+    assert float(found.split("at most ")[1].split(";")[0]) == pytest.approx(13.0, rel=0.1)

@@ -146,15 +146,3 @@ def test_a_sound_position_does_not_jump(read, name):
     recording, found = read(t=t, x=x, F=np.sin(t))
     np.testing.assert_allclose(recording.position, x, rtol=1e-12)
     assert not re.search("jump|restart|lost", found)
-
-
-def test_the_part_that_is_advised_has_no_smaller_jumps(tmp_path):
-    x = DRIVE.position + 0.5 * (DRIVE.t > 4.5) + 0.005 * (DRIVE.t > 1.2)
-    path = tmp_path / "log.csv"
-    pd.DataFrame({"t [s]": DRIVE.t, "x [m]": x, "F [N]": DRIVE.force}).to_csv(path, index=False)
-    reading = read_recording(path, Description(), strict=False)
-    [said] = [one.advice for one in reading.findings if one.severity == "error"]
-    span = tuple(map(float, re.search(r"span=\((\S+), ([\d.]+)", said).groups()))
-    reading = read_recording(path, Description(span=span), strict=False)
-    assert [one for one in reading.findings if one.severity == "error"] == []
-    assert reading.recording.t[-1] > 3.0

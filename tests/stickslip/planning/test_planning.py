@@ -31,6 +31,9 @@ def check_limits(limits: Limits, show=()) -> None:
     assert np.abs(v).max() > 0
 
 
+ONES = dict.fromkeys(("stroke", "speed", "acceleration"), 1.0)
+
+
 @given(
     stroke=st.floats(1e-3, 10),
     speed=st.floats(1e-3, 10),
@@ -41,16 +44,8 @@ def check_limits(limits: Limits, show=()) -> None:
     jerk=st.one_of(st.just(np.inf), st.floats(0.1, 1e4)),
     share=st.one_of(st.none(), st.floats(0, 1)),
 )
-@example(  # four samples for each of the small moves
-    stroke=1.0,
-    speed=1.0,
-    acceleration=1.0,
-    duration=2.0,
-    rate=100.0,
-    show=["F_c", "F_s"],
-    jerk=np.inf,
-    share=None,
-)
+# four samples for each of the small moves
+@example(**ONES, duration=2.0, rate=100.0, show=["F_c", "F_s"], jerk=np.inf, share=None)
 @settings(max_examples=60)
 def test_limits_are_kept(stroke, speed, acceleration, duration, rate, show, jerk, share):
     """The travel, if given, is less than the stroke, around a start at a share of it."""

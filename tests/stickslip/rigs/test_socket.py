@@ -8,9 +8,11 @@ import subprocess
 import sys
 import threading
 import time
+from collections import Counter
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -54,54 +56,44 @@ def command_of(rig, n=450):
     return Command(rig.T_s, rig.loop, velocity=v, added_force=2.0 * np.sign(v))
 
 
-@contextmanager
-def bad_line(port):
-    """Return the port of a relay that loses, delays and doubles messages, and cuts connections."""
-    every = {"cut": 31, "lost": 7, "late": 9, "doubled": 11}
-    number, counts = itertools.count(1), dict.fromkeys(every, 0)
-    listener = socket.create_server(("localhost", 0))
-    end = threading.Event()
+CONNECT = socket.create_connection
 
-    def pass_on(source, sink):
-        late, lines = [], Lines()
-        try:
-            while received := source.recv(65536):
-                for line in map(line_of, lines.messages(received)):
-                    k = next(number)
-                    fate = next((name for name, n in every.items() if k % n == 0), "")
-                    if fate:
-                        counts[fate] += 1
-                    if fate == "cut":
-                        return
-                    if fate == "late":  # behind the next one
-                        late.append(line)
-                        continue
-                    sink.sendall(line * {"lost": 0, "doubled": 2}.get(fate, 1) + b"".join(late))
-                    late = []
-        except OSError:
-            pass
-        finally:
-            for one in (source, sink):
-                with suppress(OSError):
-                    one.shutdown(socket.SHUT_RDWR)
-                one.close()
 
-    def accept():
-        while not end.is_set():
-            try:
-                near, _ = listener.accept()
-            except OSError:
-                return
-            far = socket.create_connection(("localhost", port))
-            for pair in ((near, far), (far, near)):
-                threading.Thread(target=pass_on, args=pair, daemon=True).start()
+class Unreliable:
+    """A connection that loses, delays and doubles messages of both sides, and is cut."""
 
-    threading.Thread(target=accept, daemon=True).start()
-    try:
-        yield listener.getsockname()[1], counts
-    finally:
-        end.set()
-        listener.close()
+    EVERY: ClassVar = {"cut": 31, "lost": 7, "late": 9, "doubled": 11}
+    number, fates = itertools.count(1), Counter()
+
+    def __init__(self, *place):
+        self._real, self._lines = CONNECT(*place), Lines()
+        self._late = {self.sendall: b"", self.recv: b""}
+
+    def __getattr__(self, name):
+        return getattr(self._real, name)
+
+    def _passed(self, line, way):
+        k = next(self.number)
+        fate = next((name for name, n in self.EVERY.items() if k % n == 0), "")
+        self.fates[fate] += 1
+        if fate == "cut":
+            self._real.close()
+            raise OSError("the line was cut")
+        late, self._late[way] = self._late[way], b""
+        if fate == "late":  # behind the next one
+            self._late[way] = late + line
+            return b""
+        return line * {"lost": 0, "doubled": 2}.get(fate, 1) + late
+
+    def sendall(self, line):
+        self._real.sendall(self._passed(line, self.sendall))
+
+    def recv(self, size):
+        while received := self._real.recv(size):
+            lines = map(line_of, self._lines.messages(received))
+            if passed := b"".join([self._passed(line, self.recv) for line in lines]):
+                return passed
+        return b""
 
 
 def test_the_first_motion_is_that_of_the_fmu_and_each_begins_at_0(fmus):
@@ -120,21 +112,18 @@ def test_the_first_motion_is_that_of_the_fmu_and_each_begins_at_0(fmus):
         assert drive.state == "idle"
 
 
-def test_messages_that_are_lost_late_or_doubled_change_nothing(fmus):
+def test_messages_that_are_lost_late_or_doubled_change_nothing(fmus, monkeypatch):
     with served(fmus) as (drive, port), rig_at(port) as rig:
         expected, again = (rig.run(command_of(rig, 2000)) for _ in range(2))
         motions = drive.motion
-    with (
-        served(fmus) as (drive, port),
-        bad_line(port) as (relay, counts),
-        rig_at(relay, retry=0.05) as rig,
-    ):
+    monkeypatch.setattr(socket, "create_connection", Unreliable)
+    with served(fmus) as (drive, port), rig_at(port, retry=0.05) as rig:
         found = [rig.run(command_of(rig, 2000)) for _ in range(2)]
         assert drive.motion == motions
     for one, other in zip(found, (expected, again), strict=True):
         np.testing.assert_array_equal(one.x_enc, other.x_enc)
         np.testing.assert_array_equal(one.F_m, other.F_m)
-    assert min(counts.values()) > 0, counts
+    assert {*Unreliable.EVERY} <= {*Unreliable.fates}
 
 
 def load(rig, motion=1, n=4000):

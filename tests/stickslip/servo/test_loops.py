@@ -151,6 +151,3 @@ def test_it_is_where_the_compensator_settles(fmus, v, delta):
     with system.prepare(step=stop / 100.0, stop=stop, record=["compensator.F_f"]) as simulation:
         settled = simulation.run(inputs={"v": np.full(101, v)})["compensator.F_f"][-1]
     assert settled == pytest.approx(float(level(p, v)), rel=1e-6)
-
-
-TABLE_2 = {"F_s": 8.999, "F_c": 5.999, "v_s": 5.5697e-4, "sigma_0": 3.9162e5, "sigma_1": 4.4248e3}

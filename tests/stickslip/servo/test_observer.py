@@ -20,7 +20,6 @@ from stickslip.thresholds import offer
 from tests.kept import further
 
 PAPER = design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LOOP)
-WEAK = close_velocity_loop(Axis(2.0, 4.0, 1e-3), 1e-3, 0.0, 150.0, 2000.0)
 
 
 def random_loop(rng: np.random.Generator) -> VelocityLoop:

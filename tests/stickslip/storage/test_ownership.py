@@ -9,6 +9,7 @@ from stickslip.papers.lugre import record
 from stickslip.storage import reserved, staged, verify
 from stickslip.storage.publishing import READY
 from stickslip.studies.learn import folder as learned_folder
+from tests.stickslip.storage.conftest import put
 
 pytestmark = pytest.mark.slow
 
@@ -61,7 +62,7 @@ def test_a_file_to_be_removed_is_the_users_too(folder):
     assert (folder / "a").read_text() == "old a"
 
 
-def test_a_file_that_came_after_a_killed_process_is_named_by_verify(folder, tmp_path, put):
+def test_a_file_that_came_after_a_killed_process_is_named_by_verify(folder, tmp_path):
     put(tmp_path / "other", a="new a", c="new c")
     (tmp_path / "other").rename(folder / READY)
     (folder / "c").write_text("mine")
@@ -75,7 +76,7 @@ def test_a_file_that_came_after_a_killed_process_is_named_by_verify(folder, tmp_
     assert not (folder / "b").exists()
 
 
-def test_absent_files_and_those_of_other_commands_are_no_obstacle(folder, put):
+def test_absent_files_and_those_of_other_commands_are_no_obstacle(folder):
     """Such as FMUs that a repository leaves out."""
     put(folder, "reproduce", a="another a", c="c")
     (folder / "b").unlink()

@@ -10,9 +10,10 @@ import pytest
 from stickslip.errors import ResultsError, UsageError
 from stickslip.fmi.files import atomic_write
 from stickslip.storage import locked, staged, verify
+from tests.stickslip.storage.conftest import put, texts
 
 
-def test_what_a_command_wrote_before_goes_and_what_others_wrote_stays(folder, put, texts):
+def test_what_a_command_wrote_before_goes_and_what_others_wrote_stays(folder):
     put(folder, "validate", table="t")
     put(folder, a="new a", c="new c")
     assert texts(folder) == {"a": "new a", "c": "new c", "table": "t"}
@@ -27,7 +28,7 @@ def test_what_a_command_wrote_before_goes_and_what_others_wrote_stays(folder, pu
     assert not verify(folder).faults
 
 
-def test_what_someone_changed_or_added_is_not_deleted(folder, put, texts):
+def test_what_someone_changed_or_added_is_not_deleted(folder):
     (folder / "b").write_text("mine")
     (folder / "notes").write_text("mine too")
     put(folder, a="new a")
@@ -35,7 +36,7 @@ def test_what_someone_changed_or_added_is_not_deleted(folder, put, texts):
     assert verify(folder).faults == {"b": "additional", "notes": "additional"}
 
 
-def test_a_command_can_tell_which_files_must_not_stay(folder, put, texts):
+def test_a_command_can_tell_which_files_must_not_stay(folder):
     put(folder, "validate", table="t")
     with staged(folder, {"name": "learn"}, without=["absent", "table", "a"]) as staging:
         (staging / "a").write_text("new a")
@@ -43,7 +44,7 @@ def test_a_command_can_tell_which_files_must_not_stay(folder, put, texts):
     assert not verify(folder).faults
 
 
-def test_an_error_leaves_the_old_set_alone_and_names_the_file_as_it_will_be_called(folder, texts):
+def test_an_error_leaves_the_old_set_alone_and_names_the_file_as_it_will_be_called(folder):
     def write():
         with staged(folder, {}) as staging:
             (staging / "a").write_text("half")
@@ -55,7 +56,7 @@ def test_an_error_leaves_the_old_set_alone_and_names_the_file_as_it_will_be_call
     assert texts(folder) == {"a": "old a", "b": "old b"}
 
 
-def test_another_thread_is_another_writer_and_a_nested_block_is_not(folder, put, texts):
+def test_another_thread_is_another_writer_and_a_nested_block_is_not(folder):
     refused = []
 
     def write():
@@ -73,14 +74,14 @@ def test_another_thread_is_another_writer_and_a_nested_block_is_not(folder, put,
     assert texts(folder) == {"a": "nested"}
 
 
-def test_a_folder_removed_while_it_is_claimed_is_made_anew(folder, put, texts):
+def test_a_folder_removed_while_it_is_claimed_is_made_anew(folder):
     with locked(folder):
         shutil.rmtree(folder)
         put(folder, a="new a")
     assert texts(folder) == {"a": "new a"}
 
 
-def test_a_folder_removed_while_it_is_written_gets_no_half_set(folder, texts):
+def test_a_folder_removed_while_it_is_written_gets_no_half_set(folder):
 
     def write():
         with staged(folder, {"name": "learn"}) as staging:
@@ -94,7 +95,7 @@ def test_a_folder_removed_while_it_is_written_gets_no_half_set(folder, texts):
 
 
 @pytest.mark.parametrize("kind", ["folder", "link", "pipe"])
-def test_what_is_in_the_way_is_named_before_anything_changes(folder, kind, put):
+def test_what_is_in_the_way_is_named_before_anything_changes(folder, kind):
     way = folder / "c"
     {"folder": os.mkdir, "link": lambda p: p.symlink_to("a"), "pipe": os.mkfifo}[kind](way)
     with pytest.raises(OSError, match="expected a plain file") as told:

@@ -2,7 +2,7 @@
 
 from contextlib import closing
 from dataclasses import replace
-from functools import partialmethod
+from functools import partial, partialmethod
 
 import numpy as np
 import pytest
@@ -132,9 +132,14 @@ def test_what_is_offered_needs_no_training_and_no_other_law(law):
     assert offered(friction_law(law), ["motor_force"]).keys() <= {"static", law, "lugre_observer"}
 
 
-def row(name: str, simplicity: int, *ratios: float) -> Row:
-    rows = tuple(TrialError(0.01, "drive", 1.0, r, f"motion {k}") for k, r in enumerate(ratios))
+def row(name: str, simplicity: int, *ratios: float, motion: str = "motion {}") -> Row:
+    rows = tuple(
+        TrialError(0.01, f"drive {k}", 1.0, r, motion.format(k)) for k, r in enumerate(ratios)
+    )
     return Row(name, simplicity, 1.3, Benefit(1.0, rows, rows))
+
+
+on_drives = partial(row, motion="one")
 
 
 def test_a_tie_goes_to_the_simpler_and_what_harms_is_not_chosen():
@@ -149,11 +154,6 @@ def test_a_tie_goes_to_the_simpler_and_what_harms_is_not_chosen():
     assert CompensatorComparison((none, row("static", 1, 0.92))).chosen == none
     assert CompensatorComparison((none, harms), "amin").chosen == harms
     assert "worse than no compensator" in CompensatorComparison((none, harms), "amin").sentence
-
-
-def on_drives(name: str, simplicity: int, *ratios: float) -> Row:
-    rows = tuple(TrialError(0.01, f"drive {k}", 1.0, r, "one") for k, r in enumerate(ratios))
-    return Row(name, simplicity, 1.3, Benefit(1.0, rows, rows))
 
 
 def test_of_two_that_are_alike_the_one_that_harms_no_drive_is_chosen():

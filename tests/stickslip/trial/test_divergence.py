@@ -17,17 +17,13 @@ from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.runs import Diverged, require_bounded
 from stickslip.identification.estimation import candidate_fmus
 from stickslip.logs import Recording
-from stickslip.servo.axis import LOOP, Axis, Datasheet
-from stickslip.servo.systems import Compensator
+from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.thresholds.loop_fit import RUNS_AWAY
 from stickslip.trial.benefit import Bench, feedforward
 from stickslip.trial.family import Drive, commands
+from tests.stickslip.evaluation.test_owner_loop import AXIS, COMPENSATOR, FRICTION, VALUES
 
-AXIS = Axis(5.557, 6.6135, 1e-4)
-VALUES = {**PAPER, "m": AXIS.m, "b": AXIS.b, "F_0": 0.0, "delay": AXIS.tau_i, "delta": 1.0}
-FRICTION = {name: VALUES[name] for name in friction_law().parameters if name in VALUES}
-COMPENSATOR = Compensator("compensator", "compensator", FRICTION)
 UNSTABLE = {
     "gains ten times too high": {"K_p": 6e4, "K_i": 1e5},
     "gains of another unit": {"K_p": 6e6, "K_i": 1e7},

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import scipy.signal
 
-from stickslip import cosim
 from stickslip.catalog.parameters import friction_law
 from stickslip.cosim import Trapezoid
 from stickslip.evaluation.motions import VALIDATION
@@ -116,12 +115,6 @@ def test_with_an_onset_moves_are_left_alone_in_which_a_drive_may_stick():
     assert not 0.99 < found[1][short] < 1.01
     assert found[2][short] == pytest.approx(1.0, abs=1e-6)
     assert found[0]["fast"] < found[1]["fast"] < min(found[2]["fast"], 0.95)
-
-
-def test_creep_has_two_speeds_where_friction_does_not_rise_towards_rest():
-    level = {**TABLE_2, "F_s": TABLE_2["F_c"]}
-    speeds = [one.speed for one in commands(VALIDATION, 5e-4, level)[2:4]]
-    assert speeds == pytest.approx([0.001 * VALIDATION.height, 0.01 * VALIDATION.height])
 
 
 def test_each_drive_creeps_below_its_own_stribeck_velocity():
@@ -382,19 +375,3 @@ def test_a_drive_of_another_size_is_tried_alike(tmp_path, force, length):
 
     least = 1e-6 * VALIDATION.height
     assert errors(force, length) == pytest.approx(errors(1.0, 1.0), rel=1e-2, abs=least)
-
-
-def test_a_share_is_of_the_force_alone(fmus):
-    """At the same velocities every force of the LuGre FMU is that share of the whole."""
-    v = 1e-3 * np.sin(np.linspace(0.0, 40.0, 4000)) ** 3
-    system = cosim.System("share")
-    system.add("compensator", fmus / "compensator.fmu", TABLE_2)
-    system.expose("v", "compensator.v")
-    with system.prepare(step=5e-4, stop=2.0 - 5e-4, record=["compensator.F_mean"]) as simulation:
-        whole, part = (
-            simulation.run(
-                {f"compensator.{name}": value for name, value in friction.items()}, {"v": v}
-            )["compensator.F_mean"]
-            for friction in (TABLE_2, friction_law().share(TABLE_2, 0.7))
-        )
-    np.testing.assert_allclose(part, 0.7 * whole, rtol=1e-9, atol=1e-12)

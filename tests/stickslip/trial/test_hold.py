@@ -1,9 +1,9 @@
-"""Hunting of a cascade at rest, against a simulation by scipy of other equations of motion."""
+"""Hunting of a cascade at rest, against a simulation by other equations of motion."""
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
+from campaigns.sound_drives import simulator
 from stickslip.catalog.parameters import friction_law
 from stickslip.servo.axis import Axis, Datasheet
 from stickslip.servo.velocity_loop import close_velocity_loop
@@ -38,45 +38,14 @@ def held(tmp_path_factory):
     return held
 
 
-def by_scipy(loop, friction):
-    """Return swing and reversals in the worst hold: stick and slip by events, sampled control."""
-    n = round(hold_time(loop, friction, STEP) / T_S)
+def by_simulator(loop):
+    """Return swing and reversals in the worst hold by a program that shares nothing with ours."""
+    n = round(hold_time(loop, FRICTION, STEP) / T_S)
     v_cmd, begins = _motions(np.zeros(2), STEP, n, T_S)
+    gains = {name: getattr(loop, name) for name in ("K_p", "K_i", "K_x", "tau_f", "T_s")}
+    drive = {**FRICTION, **gains, "m": AXIS.m, "b": AXIS.b, "encoder": STEP, "phase": 0.5}
     x_cmd = T_S * np.concatenate([[0.0], np.cumsum(v_cmd[:-1])])
-    keep = np.exp(-T_S / loop.tau_f)
-
-    def resisted(v):
-        rise = (friction["F_s"] - friction["F_c"]) * np.exp(-abs(v) / friction["v_s"])
-        return friction["F_c"] + rise
-
-    x = v = last = v_est = integral = 0.0
-    positions = np.empty(len(v_cmd))
-    for k in range(len(v_cmd)):
-        positions[k] = x
-        shown = STEP * np.round(x / STEP)
-        v_est = keep * v_est + (1.0 - keep) * (shown - last) / T_S
-        last = shown
-        error = v_cmd[k] + loop.K_x * (x_cmd[k] - shown) - v_est
-        integral += T_S * loop.K_i * error
-        u = loop.K_p * error + integral
-        t = 0.0
-        while t < T_S:
-            if v == 0.0 and abs(u) <= friction["F_s"]:
-                break
-            way = np.sign(v) or np.sign(u)
-
-            def motion(_, state, way=way, u=u):
-                pushed = u - AXIS.b * state[1] - way * resisted(state[1])
-                return [state[1], pushed / AXIS.m]
-
-            def stops(_, state, way=way):
-                return way * state[1] + 1e-15
-
-            stops.terminal, stops.direction = True, -1
-            run = solve_ivp(motion, (t, T_S), [x, v], events=stops, rtol=1e-8, atol=1e-12)
-            t, (x, v) = run.t[-1], run.y[:, -1]
-            if run.status == 1:
-                v = 0.0
+    positions = simulator.run("coulomb_stribeck", drive, v_cmd, x_cmd=x_cmd)["x"]
     halves = [positions[begin + n // 2 : begin + n] for begin in begins]
     found = [(reversals(half, 0.5 * STEP), float(np.ptp(half))) for half in halves]
     return max(found, key=lambda one: (one[0] >= 2, one[1]))
@@ -87,7 +56,7 @@ def test_stick_slip_at_rest_is_that_of_another_simulation(held, K_i, K_x):
     """When single slips happen depends on the last digits, how far they go does not."""
     loop = cascade(K_i, K_x)
     found = held(loop)
-    count, swing = by_scipy(loop, FRICTION)
+    count, swing = by_simulator(loop)
     longest = (FRICTION["F_s"] - FRICTION["F_c"]) / (loop.K_p * K_x + K_i)
     for hold in found.values():
         assert hold.hunts(2.0 * STEP)

@@ -1,6 +1,9 @@
 """Models that err in a loop as the drive does: what is found of it, and which laws are tried."""
 
+from contextlib import nullcontext
 from dataclasses import replace
+from types import SimpleNamespace
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -9,11 +12,10 @@ from stickslip import ga
 from stickslip.catalog.parameters import LUGRE, PAPER
 from stickslip.papers.lugre.loop_tuning import with_friction
 from stickslip.papers.lugre.reproduction import drive_truth
-from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.thresholds import kept
 from stickslip.tuning import drive_model
-from stickslip.tuning.drive_model import DriveModel, fit_models
+from stickslip.tuning.drive_model import fit_models
 from stickslip.tuning.loop_runs import PLAIN, LoopBench, LoopRuns
 
 pytestmark = pytest.mark.slow
@@ -72,63 +74,46 @@ def test_a_drive_of_another_law_has_a_model_that_errs_like_it_with_other_frictio
         assert unlike(errors_with(bench, "lugre", lugre), true) > 0.3
 
 
-@pytest.fixture
-def searches(monkeypatch):
-    """Return what was searched, by law, of stubs whose mismatches a test sets."""
-    starts, ends, done = {}, {}, {}
+def models(starts, ends=(), own="lugre", default=9.0):
+    """Return the laws of models, and the evaluations of those searched, by mismatches of stubs.
+
+    ``starts`` and ``ends`` are mismatches before and after a search, and ``own`` is the law of the
+    rig.
+    """
+    searched = {}
 
     class Search:
         def __init__(self, law):
-            self.model = DriveModel(law, {}, mismatch=starts[law])
+            self.model = SimpleNamespace(law=law, mismatch=starts.get(law, default))
 
         def to(self, evaluations, *_):
-            law = self.model.law
-            done[law] = evaluations
-            self.model = replace(self.model, mismatch=ends[law])
+            searched[self.model.law] = evaluations
+            self.model.mismatch = dict(ends).get(self.model.law, self.model.mismatch)
 
-    class Stub:
-        def __init__(self, _bench, law, _errors):
-            self.law = law
-
-        def __enter__(self):
-            return self.law
-
-        def __exit__(self, *_):
-            pass
-
-    monkeypatch.setattr(drive_model, "Mismatch", Stub)
-    monkeypatch.setattr(drive_model, "LawSearch", Search)
-    monkeypatch.setattr(drive_model, "errors_of", lambda *_: None)
-    return starts, ends, done
+    with patch.multiple(
+        drive_model,
+        LoopRuns=lambda _: SimpleNamespace(close=list),
+        errors_of=lambda _: None,
+        Mismatch=lambda _, law, __: nullcontext(law),
+        LawSearch=Search,
+    ):
+        rig = SimpleNamespace(law=SimpleNamespace(name=own))
+        found = fit_models(SimpleNamespace(rig=rig))
+    return [one.law for one in found], searched
 
 
-def laws_of(found):
-    return [one.law for one in found]
-
-
-def test_laws_are_tried_until_two_are_left_and_those_as_good_are_used(
-    searches, bench_of, monkeypatch
-):
-    starts, ends, done = searches
-    starts |= dict.fromkeys(drive_model.LAWS, 0.5) | {"gms": 0.3, "armstrong": 0.7}
-    ends |= dict.fromkeys(drive_model.LAWS, 0.4) | {"gms": 0.2, "dahl": 0.25}
-    bench = bench_of()
-    assert laws_of(fit_models(bench)) == ["gms", "dahl"]
+def test_laws_are_tried_until_two_are_left_and_those_as_good_are_used(monkeypatch):
+    starts = dict.fromkeys(drive_model.LAWS, 0.5) | {"gms": 0.3, "armstrong": 0.7}
+    ends = dict.fromkeys(drive_model.LAWS, 0.4) | {"gms": 0.2, "dahl": 0.25}
     few, many = drive_model.ROUNDS
-    assert done == dict.fromkeys(set(drive_model.LAWS) - {"armstrong"}, few) | {
-        "gms": many, "dahl": many
-    }  # fmt: skip
+    searched = dict.fromkeys({*drive_model.LAWS} - {"armstrong"}, few)
+    assert models(starts, ends) == (["gms", "dahl"], searched | {"gms": many, "dahl": many})
     monkeypatch.setattr(drive_model, "FINALISTS", 1)
-    assert laws_of(fit_models(bench)) == ["gms"]
+    assert models(starts, ends)[0] == ["gms"]
 
 
-def test_a_law_that_takes_long_to_run_is_no_model(searches, bench_of):
-    starts, *_ = searches
-    starts |= {"lugre": 0.02, "leuven": 0.01}
-    bench = bench_of()
-    rig = FmuRig(bench.rig.fmus, bench.rig.datasheet, bench.rig.T_s, "leuven")
-    assert rig.law.name == "leuven"
-    assert laws_of(fit_models(replace(bench, rig=rig))) == ["lugre"]
+def test_a_law_that_takes_long_to_run_is_no_model():
+    assert models({"lugre": 0.02, "leuven": 0.01}, own="leuven")[0] == ["lugre"]
 
 
 def test_a_model_that_was_not_fitted_has_a_steeper_curve_with_more_friction(bench_of):

@@ -40,12 +40,6 @@ def test_it_leaves_what_the_training_run_hardly_shows_to_identification(study):
     assert found.values["F_s"] == pytest.approx(prior.value, rel=0.03)
 
 
-def test_stick_force_stays_above_coulomb_force(study):
-    low = {"F_s": Estimate(PAPER["F_c"], 0.5), "F_c": Estimate(PAPER["F_c"], 0.5)}
-    found = refine(replace(study, start=study.start | low))
-    assert found.values["F_s"] >= found.values["F_c"]
-
-
 def study_of(rig, found=None):
     found = found or identify(rig, LOOP)
     v_cmd = TRAINING.sample(rig.samples(TRAINING.duration))

@@ -1,20 +1,26 @@
 """The choice of a law, and a law that leaves more force than noise explains."""
 
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from synthetic_predictions import predicted
 
-from stickslip.identification.selection import choose, predictions
+from stickslip.catalog.parameters import friction_law
+from stickslip.identification.selection import Candidate, Prediction, choose
 from stickslip.identification.selection.choice import Cause, along_the_travel, mismatch
-from stickslip.logs import load_description, read_and_check
-from tests.kept import further
+from stickslip.identification.selection.folds import Moving
 
-ROOT = Path(__file__).resolve().parents[4]
-DATA = ROOT.parent / "shared" / "data"
+
+def predicted(law, error, *, is_level=False, shown=("F_s",), spread=0.2, seed=0, fails=False):
+    """Return a prediction whose error varies from block to block."""
+    rng = np.random.default_rng(seed)
+    squares = error**2 * np.exp(spread * rng.standard_normal(40))
+    squares *= error**2 / squares.mean()
+    candidate = Candidate(friction_law(law), is_level=is_level)
+    shown = () if is_level else shown
+    moving = Moving(error, 0.5 * error, fails)
+    return Prediction(candidate, {}, {}, error, error / 6.0, 0.1, squares, shown, moving)
 
 
 def laws(plain=2.0, lugre=1.0, static=2.0, gms=1.0):
@@ -70,23 +76,6 @@ def test_a_law_that_fails_in_one_block_only_is_worse():
     squares[7] = 40.0
     failing = replace(found[1], squares=squares, force=float(np.sqrt(squares.mean())))
     assert choose([found[0], failing, *found[2:]]).chosen.candidate.law.name == "gms"
-
-
-@pytest.mark.parametrize(
-    ("log", "example", "law", "level"),
-    [
-        ("tribometer/test_data_2.txt", "tribometer.toml", "lugre", False),
-        *further(("emps/DATA_EMPS.mat", "emps.toml", "coulomb_stribeck", True)),
-    ],
-)
-def test_measured_logs(log, example, law, level):
-    if not (DATA / log).exists():
-        pytest.skip(f"{DATA / log} is not here")
-    description = load_description(ROOT / "examples" / "logs" / example)
-    reading, _ = read_and_check(DATA / log, description)
-    choice = choose(predictions(reading.recording, reading.controller.parameters()))
-    assert choice.chosen.candidate.law.name == law
-    assert choice.chosen.candidate.is_level == level
 
 
 T_S = 1e-3

@@ -1,9 +1,10 @@
-"""Mass, offset and friction against speed without a law, on motions with closed forms."""
+"""Mass, offset, friction against speed and its rise without a law, on motions with closed forms."""
 
 import numpy as np
 import pytest
 
 from stickslip.identification.sliding.friction_curve import FrictionCurve, friction_curve
+from stickslip.identification.sliding.stribeck import EXPONENTS, rise
 from stickslip.thresholds import curve_shown
 
 T_S = 5e-4
@@ -11,8 +12,8 @@ M, B, F_C, F_S, V_S, F_0 = 3.0, 20.0, 4.0, 7.0, 2e-3, 0.8
 STEP = 4e-7
 
 
-def curve(v: np.ndarray) -> np.ndarray:
-    return F_C + (F_S - F_C) * np.exp(-v / V_S) + B * v
+def curve(v: np.ndarray, delta: float = 1.0, F_s: float = F_S) -> np.ndarray:
+    return F_C + (F_s - F_C) * np.exp(-((v / V_S) ** delta)) + B * v
 
 
 def recorded(
@@ -76,3 +77,30 @@ def test_friction_that_differs_between_the_directions_is_an_offset() -> None:
 def test_a_drive_that_hardly_slides_has_no_curve() -> None:
     x = 1e-6 * np.sin(np.arange(40_000) * T_S)
     assert friction_curve(STEP * np.round(x / STEP), x, T_S, STEP) is None
+
+
+@pytest.mark.parametrize("delta", EXPONENTS)
+def test_intervals_hold_the_values_of_a_curve_that_reaches_rest(delta: float) -> None:
+    speed, rng = np.geomspace(0.3 * V_S, 40.0 * V_S, 12), np.random.default_rng(0)
+    held = []
+    for _ in range(40):
+        value = curve(speed, delta) + 0.05 * rng.standard_normal(12)
+        found = rise(speed, value, 0.05**2 * np.eye(12), delta)
+        assert found is not None
+        assert found.F_s[2] < 1.3 * found.F_s[1]
+        held += [found.F_s[1] <= F_S <= found.F_s[2], found.v_s[1] <= V_S <= found.v_s[2]]
+    assert np.mean(held) > 0.9
+
+
+@pytest.mark.parametrize("lowest", [4.0 * V_S, 0.3 * V_S], ids=["too fast", "level"])
+def test_what_a_curve_does_not_show_has_no_value(lowest: float) -> None:
+    F_s = F_S if lowest > V_S else F_C
+    speed = np.geomspace(lowest, 40.0 * V_S, 12)
+    assert rise(speed, curve(speed, 1.0, F_s), 0.05**2 * np.eye(12), 1.0) is None
+
+
+def test_another_exponent_explains_less_of_the_curve() -> None:
+    speed = np.geomspace(0.3 * V_S, 40.0 * V_S, 12)
+    right, wrong = (rise(speed, curve(speed, 2.0), 0.01**2 * np.eye(12), one) for one in (2.0, 1.0))
+    assert right is not None
+    assert wrong is None or wrong.deviance > 4.0 * right.deviance

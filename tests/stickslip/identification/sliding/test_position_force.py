@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
+from campaigns.sound_drives import simulator
 from stickslip import cosim
 from stickslip.catalog.parameters import PAPER
 from stickslip.identification.criteria.inverse_model import InverseModel
@@ -91,23 +91,13 @@ def test_a_weight_that_friction_does_not_hold_is_shown_and_nothing_varies() -> N
 
 
 def swing(mu_g: float = 0.0) -> Recording:
-    """Return the log of an arm that scipy has solved, whose weight adds to friction."""
+    """Return the log of an arm of another program, whose weight adds to friction."""
     t = np.arange(10_000) * T_S
-    command = 0.2 + 1.1 * np.sin(2.0 * np.pi * 0.35 * t) + 0.15 * np.sin(2.0 * np.pi * 1.3 * t)
-    speed, y, rows, forces = np.gradient(command, T_S), np.array([0.2, 0.0]), [], []
-    for x_cmd, v_cmd in zip(command, speed, strict=True):
-        rows.append(y)
-        forces.append(300.0 * (x_cmd - y[0]) + 40.0 * (v_cmd - y[1]))
-        held = forces[-1]
-
-        def rate(_: float, y: np.ndarray, held: float = held) -> list[float]:
-            x, v = y
-            weight = 6.0 * np.sin(x) - 2.5 * np.cos(x) + 0.4
-            friction = (1.5 + mu_g * abs(weight - 0.4)) * np.tanh(v / 2e-3)
-            return [v, (held - 0.4 * v - friction - weight) / 0.3]
-
-        y = solve_ivp(rate, (0.0, T_S), y, "LSODA", rtol=1e-7, atol=1e-9).y[:, -1]
-    return log(np.array(rows)[:, 0], np.array(forces), motion="rotary")
+    command = 1.1 * np.sin(2.0 * np.pi * 0.35 * t) + 0.15 * np.sin(2.0 * np.pi * 1.3 * t)
+    arm = {"m": 0.3, "b": 0.4, "F_c": 1.5, "F_s": 1.5, "v_s": 1.0, "mu_g": mu_g, "T_s": T_S}
+    arm |= {"F_0": 0.4, "g_s": 6.0, "g_c": -2.5, "K_p": 40.0, "K_x": 7.5}
+    found = simulator.run("coulomb_stribeck", arm, np.gradient(command, T_S), x_cmd=command)
+    return log(found["x"], found["force"], motion="rotary")
 
 
 def test_the_weight_of_an_arm_is_found_at_its_angle() -> None:
@@ -129,49 +119,49 @@ def test_friction_that_grows_with_the_weight_of_the_arm_is_told_from_the_rest() 
     np.testing.assert_allclose(found.factor(x), 1.0 + 0.1 * weight, rtol=0.05)
 
 
-def test_the_drive_and_the_inverse_model_have_the_same_friction_under_a_weight() -> None:
-    values = {**PAPER, "F_0": 0.0, "delay": 1e-7, "delta": 1.0}
-    held = {"g_s": 60.0, "g_c": 20.0, "mu_g": 0.2, "F_c": values["F_c"]}
-    t = np.arange(6000) * T_S
-    command = 0.4 * np.sin(2.0 * np.pi * 0.5 * t)
+VALUES = {**PAPER, "F_0": 0.0, "delay": 1e-7, "delta": 1.0}
+GAINS = {"K_p": 3000.0, "K_i": 3e4, "K_x": 30.0, "tau_f": T_S, "T_s": T_S}
+
+
+def commanded(amplitude: float, frequency: float, n: int) -> Recording:
+    """Return a recording of a drive that follows a sine."""
+    command = amplitude * np.sin(2.0 * np.pi * frequency * T_S * np.arange(n))
     place = {"velocity_command": np.gradient(command, T_S), "position_command": command}
-    gains = {"K_p": 3000.0, "K_i": 3e4, "K_x": 30.0, "tau_f": T_S, "T_s": T_S}
-    recording = Recording(t, command, encoder_step=1e-9, **place)
+    return Recording(np.arange(n) * T_S, command, encoder_step=1e-9, **place)
+
+
+def test_the_drive_and_the_inverse_model_have_the_same_friction_under_a_weight() -> None:
+    held = {"g_s": 60.0, "g_c": 20.0, "mu_g": 0.2, "F_c": VALUES["F_c"]}
+    recording = commanded(0.4, 0.5, 6000)
     further = {f"candidate.{name}": held[name] for name in ("g_s", "g_c", "mu_g")}
     with candidate_fmus() as fmus:
-        with KnownLoop(fmus, recording, gains) as loop:
-            run = loop.run(values, further)
+        with KnownLoop(fmus, recording, GAINS) as loop:
+            run = loop.run(VALUES, further)
         x, force = run["candidate.x"], np.append(run["candidate.F_m"][1:], 0.0)
         moved = replace(recording, position=x, force=force, known_force=varying(held, x))
         left = []
         for factor in (friction_factor(held, x), None):
             with InverseModel(fmus, replace(moved, friction_factor=factor)) as model:
-                left.append(np.median(np.abs(model.residual(values))))
+                left.append(np.median(np.abs(model.residual(VALUES))))
     assert left[0] < 0.05 * left[1]
 
 
 def test_what_is_known_is_no_friction_whatever_the_units() -> None:
     """A drive with cogging and known_force leaves what the same drive leaves without it."""
-    values = {**PAPER, "F_0": 0.0, "delay": 1e-7, "delta": 1.0}
-    t = np.arange(4000) * T_S
-    command = 0.02 * np.sin(2.0 * np.pi * 0.7 * t)
-    place = {"velocity_command": np.gradient(command, T_S), "position_command": command}
-    gains = {"K_p": 3000.0, "K_i": 3e4, "K_x": 30.0, "tau_f": T_S, "T_s": T_S}
-    recording = Recording(t, command, encoder_step=1e-9, **place)
-    scale = Scale(10.0, 10.0)
+    recording, scale = commanded(0.02, 0.7, 4000), Scale(10.0, 10.0)
     with candidate_fmus() as fmus:
-        with KnownLoop(fmus, recording, gains) as loop:
-            plain = loop.run(values)
+        with KnownLoop(fmus, recording, GAINS) as loop:
+            plain = loop.run(VALUES)
         x = plain["candidate.x"]
         held = varying({"cogging_s[1]": 3.0, "cogging_c[2]": 1.0, "pitch": 0.013}, x)
         left, paths = [], []
         for known in (None, held):
             force = np.append(plain["candidate.F_m"][1:], 0.0) + (0.0 if known is None else known)
-            own = Recording(t, x, force, encoder_step=1e-9, known_force=known, **place)
+            own = replace(recording, position=x, force=force, known_force=known)
             with InverseModel(fmus, scale.recording(own)) as model:
-                left.append(model.residual(scale.values(values)))
-            with KnownLoop(fmus, own, gains) as loop:
-                again = loop.run(values, feedforward=0.0 if known is None else known)
+                left.append(model.residual(scale.values(VALUES)))
+            with KnownLoop(fmus, own, GAINS) as loop:
+                again = loop.run(VALUES, feedforward=0.0 if known is None else known)
                 paths.append(again["candidate.x"])
     np.testing.assert_allclose(left[1], left[0], atol=1e-9)
     np.testing.assert_allclose(paths[1], paths[0], atol=1e-12)

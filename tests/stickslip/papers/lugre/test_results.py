@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from stickslip.catalog.parameters import LUGRE, friction_law
+from stickslip.catalog.parameters import HIGH, LOW, LUGRE, friction_law
 from stickslip.cli import main
 from stickslip.evaluation.motions import MOTIONS, TRAINING, VALIDATION
 from stickslip.evaluation.validation import PHASES, covered, runs_of, validate
@@ -18,7 +18,6 @@ from stickslip.papers.lugre.folder import FILES
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
 from tests.stickslip.papers.lugre.fmpy_check import second_opinion
-from tests.stickslip.papers.lugre.result_tolerance import differences
 
 
 def test_all_files_are_there_and_the_manifest_knows_them(results):
@@ -123,10 +122,61 @@ ROOT = Path(__file__).parents[4]
 COMMITTED = ROOT / "results" / "paper"
 
 
-@pytest.mark.parametrize("name", ["table2", "table4", "motions", "loop_tuning"])
-def test_the_committed_tables_are_those_of_this_code(results, name):
-    committed, fresh = (pd.read_csv(folder / f"{name}.csv") for folder in (COMMITTED, results))
-    assert differences(name, fresh, committed) == []
+STEPS = {"mm/s": 0.01, "um": 0.2, "1": 0.01}
+"""What a figure may differ by in any case, by unit: half an encoder step of the position; the
+velocity of an eighth of a step in 5 ms, as long as the low-pass takes; a point of a reduction."""
+
+
+def differences(one, other, relative=1e-6, of_range=0.5):
+    """Return where a table of two reproductions differs by more than processors explain.
+
+    Another processor or another kernel of the linear algebra changes what is identified in the last
+    digits, and with it how the encoder's steps fall in a run. Columns with a range are medians:
+    they may differ by a share of the wider range of both tables, and the ends of the range, which
+    scatter more, by all of it. Evidence: docs/decisions/0130-medians-over-encoder-phases.md.
+    """
+    if len(one) != len(other):
+        return [f"{len(one)} rows instead of {len(other)}"]
+    found = []
+    for column in set(one) & set(other) - {"remark"}:
+        first, second = one[column], other[column]
+        median = column.removesuffix(LOW).removesuffix(HIGH)
+        if not pd.api.types.is_numeric_dtype(second):
+            far = first.ne(second) & ~(first.isna() & second.isna())
+        elif f"{median}{LOW}" in other:
+            widths = (table[f"{median}{HIGH}"] - table[f"{median}{LOW}"] for table in (one, other))
+            unit = one["unit"] if "unit" in one else pd.Series("mm/s", one.index)
+            share = of_range if column == median else 1.0
+            limit = share * np.maximum(*widths) + unit.map(STEPS)
+            far = ~np.isclose(first, second, rtol=0.0, atol=limit, equal_nan=True)
+        else:
+            far = ~np.isclose(first, second, rtol=relative, atol=0.0, equal_nan=True)
+        found += [f"{column}, row {k}: {first[k]} instead of {second[k]}" for k in first.index[far]]
+    return found
+
+
+@pytest.mark.parametrize(
+    ("name", "allowed"),
+    [
+        ("table2", {"relative": 0.01}),  # identified 1e-9; fitted to runs, v_s 0.6 %
+        *(("table4", {}), ("motions", {})),
+        # A search goes another way where one candidate does: with b x (1 +- 1e-9) the medians of
+        # two seeds of 150 candidates moved by 0.68 of the range over seeds, of five by 0.56.
+        ("loop_tuning", {"of_range": 1.0}),
+    ],
+)
+def test_the_committed_tables_are_those_of_this_code(results, name, allowed):
+    fresh, committed = (pd.read_csv(folder / f"{name}.csv") for folder in (results, COMMITTED))
+    if name == "loop_tuning":
+        fresh, committed = map(over_seeds, (fresh, committed))
+    assert differences(fresh, committed, **allowed) == []
+
+
+def over_seeds(table):
+    """Return the median error over seeds, with the range over seeds and phases."""
+    rows = table.groupby(["stage", "motion", "friction", "unit"], as_index=False, sort=False)
+    ends = {f"error{LOW}": (f"error{LOW}", "min"), f"error{HIGH}": (f"error{HIGH}", "max")}
+    return rows.agg(error=("error", "median"), **ends)
 
 
 @pytest.mark.parametrize(("change", "equal"), [(1e-5, True), (0.05, False)])
@@ -138,7 +188,7 @@ def test_the_tolerance_is_that_of_chance(reproduction, results, change, equal):
     loop = reproduction.identification.loop
     table = validate(rig, loop, changed, VALIDATION, phases=PHASES).table()
     committed = pd.read_csv(results / "table4.csv")
-    assert (differences("table4", table, committed) == []) is equal
+    assert (differences(table, committed) == []) is equal
     assert not table["with"].equals(committed["with"])
 
 

@@ -23,15 +23,13 @@ def quick(drive, seed, _=None):
 
 @dataclass(frozen=True)
 class Deadly:
-    """As `quick`, but the process dies of drives called ``kills``, and once of ``kills_once``."""
+    """As `quick`, but the process dies of drives called ``kills``."""
 
     parent: int
-    once: Path
 
     def __call__(self, drive, seed, _=None):
         time.sleep(0.05)
-        if drive.name == "kills" or (drive.name == "kills_once" and self.once.exists()):
-            self.once.unlink(missing_ok=True)
+        if drive.name == "kills":
             assert os.getpid() != self.parent
             os.kill(os.getpid(), signal.SIGKILL)
         return quick(drive, seed)

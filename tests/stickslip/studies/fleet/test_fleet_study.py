@@ -9,6 +9,7 @@ from fleet_jobs import Counting, Deadly, quick
 from stickslip.cli import main
 from stickslip.errors import UsageError
 from stickslip.studies.fleet.study import learn_fleet
+from stickslip.studies.fleet.table import read_fleet
 from stickslip.studies.fleet.writing import fleet_table, write_fleet
 from stickslip.work.jobs import DIED, Execution
 
@@ -22,24 +23,15 @@ def written(folder, *arguments, **options):
 
 
 def test_a_drive_that_kills_its_worker_fails_and_no_other(drives, tmp_path):
-    job, execution = Deadly(os.getpid(), tmp_path / "once"), Execution(2, "processes")
+    job, execution = Deadly(os.getpid()), Execution(2, "processes")
     fleet = learn_fleet(drives("a", "kills", "b"), tmp_path / "out", execution=execution, job=job)
     assert fleet.reasons == {"kills": DIED}
     alone = learn_fleet(drives("a", "b"), tmp_path / "alone", job=quick)
     assert fleet.learned == alone.learned
 
 
-def test_a_worker_of_a_cluster_that_dies_costs_nothing(cluster, drives, tmp_path):
-    (tmp_path / "once").touch()
-    job, execution = Deadly(os.getpid(), tmp_path / "once"), Execution(2, cluster)
-    names = ("a", "kills_once", "b")
-    fleet = learn_fleet(drives(*names), tmp_path / "out", execution=execution, job=job)
-    assert not (tmp_path / "once").exists()
-    assert fleet.learned == learn_fleet(drives(*names), tmp_path / "alone", job=quick).learned
-
-
 @pytest.mark.parametrize("where", ["serial", "threads"])
-def test_interrupted_and_resumed_is_the_same_as_never_interrupted(where, drives, files, tmp_path):
+def test_interrupted_and_resumed_is_the_same_as_never_interrupted(where, drives, tmp_path):
     fleet = drives("a", "b", "c", "d")
     out, diary = tmp_path / "out", tmp_path / "diary"
     execution = Execution(1 if where == "serial" else 2)
@@ -109,7 +101,7 @@ def test_files_of_the_user_survive_a_study_that_fails_and_resumes(drives, tmp_pa
     assert {path for path in (out / "unfinished").rglob("*") if path.is_file()} < mine
 
 
-def test_a_fleet_is_the_same_in_processes_of_dask(log, cluster, files, tmp_path, capsys):
+def test_a_fleet_is_the_same_in_processes_of_dask(log, cluster, tmp_path, capsys):
     table = tmp_path / "table.csv"
     table.write_text(f"name,log\ngood,{log}\nmissing,none.csv\n")
     where = {
@@ -133,3 +125,50 @@ def test_a_fleet_is_the_same_in_processes_of_dask(log, cluster, files, tmp_path,
     assert rows["low"]["good", "m"] < rows["value"]["good", "m"] < rows["high"]["good", "m"]
     assert rows["unit"]["good", "F_c"] == "N"
     assert rows.loc["missing"]["reason"].item().startswith("none.csv: cannot be read")
+
+
+def read(tmp_path, text):
+    table = tmp_path / "table.csv"
+    table.write_text(text, encoding="utf-8")
+    return read_fleet(table)
+
+
+@pytest.fixture
+def drives(tmp_path):
+    """Return a function that reads a table of drives from names; they have no log."""
+    return lambda *names: read(tmp_path, "name,log\n" + "".join(f"{x},none.csv\n" for x in names))
+
+
+def files(folder):
+    """Return all files of a folder, by their places in it."""
+    found = (path for path in folder.rglob("*") if path.is_file())
+    return {path.relative_to(folder): path.read_bytes() for path in found}
+
+
+def test_rows_become_drives_with_paths_beside_the_table(tmp_path):
+    text = '\ufeffname,config,log\none, one.toml ,logs/one.csv\n\n"two",,"/logs/a,b.mat"\n'
+    one, two = read(tmp_path, text)
+    assert one.files == {"log": tmp_path / "logs/one.csv", "config": tmp_path / "one.toml"}
+    assert {key: path.as_posix() for key, path in two.files.items()} == {"log": "/logs/a,b.mat"}
+    assert one.row == {"name": "one", "log": "logs/one.csv", "config": "one.toml"}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("name,log,log\na,b,c\n", "column 'log' is there twice"),
+        ("name,config\na,b\n", "expected columns name and log, got name, config"),
+        ("name,log\na,b\n,c\n", "row 3, column name: expected letters.*got nothing"),
+        ("name,log\na,b\nA,c\n", "row 3, column name: 'A' is there already"),
+        (
+            "name,log,config\na,,c\n",
+            "row 2, column log: expected the log .*got nothing",
+        ),
+    ],
+)
+def test_a_bad_table_is_refused_in_one_line(tmp_path, text, message):
+    """Others are among the hostile inputs."""
+    with pytest.raises(UsageError, match=message) as refused:
+        read(tmp_path, text)
+    assert str(refused.value).startswith(str(tmp_path / "table.csv"))
+    assert "\n" not in str(refused.value)

@@ -103,6 +103,8 @@ def test_learned_json_keeps_the_loop_and_another_log_runs_in_it(tmp_path):
     assert {n: taken.gains[n] for n in ("K_x", "K_p")} == {"K_x": 40.0, "K_p": loop.K_p}
     assert taken.gains["velocity_feedforward"] == 0.3
     assert taken.reading.recording.velocity_command is not None
+    path.write_text(json.dumps({"parameters": parameters}))
+    assert read_log(tmp_path / "log.csv", Description(), LearnedFile(path)).gains is None
 
 
 TRUTH = {"m": 1.0, "b": 2.0, "F_c": 2.0, "F_s": 3.0, "sigma_1": 500.0}

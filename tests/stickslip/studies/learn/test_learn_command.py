@@ -163,6 +163,7 @@ def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsy
 
 def test_a_compensator_that_cannot_be_learned_is_refused_before_learning(log, capsys):
     refused = {
+        ("auto", "--friction-range", "1.2", "1.5"): "--friction-range: expected the least and the",
         ("dahl", "--law", "lugre"): "'dahl': --law is lugre; there are static, lugre, ekbf",
         ("lffc",): "it is trained on the drive; 'stickslip arena --drive learned.json'",
         ("ekbf+static",): "both in this order, such as static+ekbf",
@@ -171,13 +172,6 @@ def test_a_compensator_that_cannot_be_learned_is_refused_before_learning(log, ca
     for name, message in refused.items():
         assert main(["learn", "--log", str(log), "--compensator", *name]) == 1
         assert message in capsys.readouterr().err
-
-
-def test_a_range_of_friction_without_that_of_the_log_is_refused(log, capsys):
-    assert main(["learn", str(log), "--friction-range", "1.2", "1.5"]) == 1
-    assert (
-        "--friction-range: expected the least and the largest friction" in capsys.readouterr().err
-    )
 
 
 def test_a_description_is_given_by_its_file(tmp_path):

@@ -191,6 +191,7 @@ def check_verdict(printed, verdict, fmus, learned):
 def test_exported_code_states_where_its_numbers_come_from(sound, log, tmp_path):
     write_learned(only(sound, feedforward(sound, 0.6)), tmp_path)
     document = json.loads((tmp_path / "learned.json").read_text())
+    assert LearnedFile(tmp_path / "learned.json").drives == sound.trial.drives
     own = hashlib.sha256(log.read_bytes()).hexdigest()
     assert document["sha256"] == {log.name: own}
     learned = LearnedFile(tmp_path / "learned.json")

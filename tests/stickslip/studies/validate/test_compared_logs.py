@@ -10,7 +10,6 @@ from scipy.integrate import cumulative_trapezoid
 
 from campaigns.sound_drives import simulator
 from stickslip.cli import main
-from stickslip.errors import UsageError
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE
 from stickslip.learned.file import LearnedFile
 from stickslip.logs import Column, Description, Recording
@@ -83,11 +82,6 @@ def test_other_sampling_is_brought_to_that_of_the_log_without():
     assert other.T_s == pytest.approx(T_S)
     found = compare(fine, other, stretches)
     assert found.measured.reductions["position_rms"].value == pytest.approx(0.5, abs=0.02)
-
-
-def test_different_commands_are_refused_in_one_line():
-    with pytest.raises(UsageError, match=r"commands of log.csv and log.csv differ.*speeds 20 and"):
-        common(logged(sweep(4000), 0.0), logged(0.5 * sweep(4000), 0.0))
 
 
 def friction(velocity, F_s, F_c, v_s, sigma_0, sigma_1):

@@ -95,16 +95,6 @@ def test_wrong_gains_are_named_and_the_force_is_not_blamed(learned, log):
     assert any("its gains are others" in reason for reason in reasons)
 
 
-def test_the_loop_of_the_file_is_taken_where_no_controller_is_given(learned, log):
-    names = {"m": 5.5, "b": 7.0, "tau_i": 1e-5, "T_s": 5e-4, **GAINS}
-    loop = {name: {"value": value} for name, value in names.items()}
-    file = LearnedFile(learned(loop=loop))
-    taken = read_log(log, described(), file)
-    assert {name: taken.gains[name] for name in GAINS} == GAINS
-    assert taken.controller == "the PI controller of learned.json"
-    assert read_log(log, described(), LearnedFile(learned())).gains is None
-
-
 def test_a_log_of_another_kind_of_drive_is_refused(learned, log):
     file = LearnedFile(learned(motion="rotary"))
     with pytest.raises(UsageError, match=r"a log of a linear drive, but .* has a rotary one"):
