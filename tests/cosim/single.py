@@ -1,4 +1,4 @@
-"""Systems of one FMU, the same FMU in FMPy, runs in two halves, and archives packed again."""
+"""Systems of FMUs, one FMU in FMPy, runs in two halves, and archives packed again."""
 
 import zipfile
 from collections.abc import Callable, Mapping
@@ -23,6 +23,23 @@ def one(
     system.add(name, path, parameters, **how)
     if u:
         system.expose("u", f"{name}.{u}")
+    return system
+
+
+def joined(
+    parts: Mapping[str, Any], *wires: str, name: str = "joined", **inputs: str
+) -> cosim.System:
+    """Return a system of FMUs, or pairs of FMU and parameters, joined by ``"a.y b.u"``.
+
+    An input of the system leads to one or more variables: ``u="a.u b.u"``.
+    """
+    system = cosim.System(name)
+    for part, given in parts.items():
+        system.add(part, *(given if isinstance(given, tuple) else (given,)))
+    for wire in wires:
+        system.connect(*wire.split())
+    for known, targets in inputs.items():
+        system.expose(known, *targets.split())
     return system
 
 

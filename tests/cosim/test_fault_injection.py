@@ -54,9 +54,7 @@ class Rig:
     def __init__(self, path, version, kind):
         self.kind = kind
         fmu = faults.write(path, faults.ARMED_ELSEWHERE, version, self._of_fmu)
-        self.system = cosim.System("rig")
-        self.system.add("a", fmu, {"k": 2.0})
-        self.system.expose("u", "a.u")
+        self.system = one(fmu, {"k": 2.0}, "u")
         if kind == "adaptive":  # the step follows what is connected
             self.system.add("b", faults.write(path.with_name("b.fmu"), "none 1 0", version))
             self.system.connect("a.y", "b.u")
