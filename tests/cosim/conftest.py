@@ -1,5 +1,7 @@
 """Small FMUs made on the spot: a gain (direct feedthrough) and an integrator."""
 
+import functools
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -90,14 +92,11 @@ Make = Callable[..., Path]
 def make(tmp_path_factory: pytest.TempPathFactory) -> Make:
     """Make an FMU: ``make("gain", 3, u="m")`` is FMI 3.0 with the input in metres."""
     folder = tmp_path_factory.mktemp("fmus")
-    made: dict[tuple[object, ...], Path] = {}
 
+    @functools.cache
     def make(kind: str, version: int = 2, **units: str) -> Path:
-        key = (kind, version, *units.items())
-        if key not in made:
-            path = folder / str(len(made)) / f"{kind}.fmu"
-            files = {fmu.place(kind, version): library(kind).read_bytes()}
-            made[key] = fmu.pack(path, describe(kind, version, units), files)
-        return made[key]
+        files = {fmu.place(kind, version): library(kind).read_bytes()}
+        path = Path(tempfile.mkdtemp(dir=folder)) / f"{kind}.fmu"
+        return fmu.pack(path, describe(kind, version, units), files)
 
     return make

@@ -9,6 +9,7 @@ import fmpy
 import numpy as np
 
 from stickslip import cosim
+from tests.corpus.fmu import archive
 
 
 def one(
@@ -104,8 +105,8 @@ def halves(
 
 def members(path: Path) -> dict[str, bytes]:
     """Return the members of an archive."""
-    with zipfile.ZipFile(path) as archive:
-        return {name: archive.read(name) for name in archive.namelist()}
+    with zipfile.ZipFile(path) as file:
+        return {name: file.read(name) for name in file.namelist()}
 
 
 def repacked(
@@ -115,9 +116,5 @@ def repacked(
     renamed: Callable[[str], str] = str,
 ) -> Path:
     """Pack the members of an archive again, some changed, renamed, or left out (None)."""
-    content = members(path)
-    with zipfile.ZipFile(other, "w") as archive:
-        for name, data in content.items():
-            if (new := change(name, data)) is not None:
-                archive.writestr(renamed(name), new)
-    return other
+    changed = {renamed(name): change(name, data) for name, data in members(path).items()}
+    return archive(other, {name: data for name, data in changed.items() if data is not None})

@@ -1,6 +1,7 @@
 """Every status at every call: what docs/statuses.md says, and the next run as if nothing was."""
 
 import ctypes
+import functools
 import logging
 
 import numpy as np
@@ -80,15 +81,8 @@ class Rig:
 
 @pytest.fixture(scope="module")
 def rigs(tmp_path_factory):
-    folder, made = tmp_path_factory.mktemp("faults"), {}
-
-    def rig(version, kind):
-        if (version, kind) not in made:
-            path = folder / f"{kind}{version}.fmu"
-            made[version, kind] = Rig(path, version, kind)
-        return made[version, kind]
-
-    return rig
+    folder = tmp_path_factory.mktemp("faults")
+    return functools.cache(lambda n, kind: Rig(folder / f"{kind}{n}.fmu", n, kind))
 
 
 def drive(simulation):

@@ -1,5 +1,7 @@
 """FMUs as other tools export them, made on the spot from models.c."""
 
+import functools
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -159,25 +161,18 @@ Export = Callable[..., Path]
 def export(tmp_path_factory: pytest.TempPathFactory) -> Export:
     """Export an FMU: ``export("ball", 3, "ME CS events")``."""
     folder = tmp_path_factory.mktemp("any fmu")
-    made: dict[tuple[object, ...], Path] = {}
 
+    @functools.cache
     def export(
         model: str,
         version: int,
         interfaces: str = "ME CS",
         flags: str = "",
         binary_name: str | None = None,
-        platform_folder: str | None = None,
         experiment: str = "",
     ) -> Path:
-        key = (model, version, interfaces, flags, binary_name, platform_folder, experiment)
-        if key not in made:
-            place = Path(fmu.place(binary_name or model, version))
-            place = place.parent.with_name(platform_folder or place.parent.name) / place.name
-            description = describe(model, version, interfaces, flags, experiment)
-            path = folder / str(len(made)) / f"{model}.fmu"
-            files = {place.as_posix(): library(model).read_bytes()}
-            made[key] = fmu.pack(path, description, files)
-        return made[key]
+        description = describe(model, version, interfaces, flags, experiment)
+        files = {fmu.place(binary_name or model, version): library(model).read_bytes()}
+        return fmu.pack(Path(tempfile.mkdtemp(dir=folder)) / f"{model}.fmu", description, files)
 
     return export

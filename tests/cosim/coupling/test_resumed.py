@@ -7,7 +7,7 @@ import pytest
 
 from stickslip import cosim
 from stickslip.cosim import Adaptive, Coupling, Link, Scaling
-from tests.cosim.single import one, repacked
+from tests.cosim.single import joined, one, repacked
 
 STEP, HALF, STOP = 0.01, 0.3, 0.8
 COUPLINGS = [
@@ -63,12 +63,10 @@ def test_rounding_left_by_derivatives_does_not_reach_the_solver(linear, version)
 
 def ring(linear):
     """Two components of one state each, connected in a ring; one has an input from outside."""
-    system = cosim.System("ring")
-    system.add("a", linear, {"a11": -1.0, "b11": 1.0, "b12": 1.0, "c11": 1.0, "x1": 1.0})
-    system.add("b", linear, {"a11": -2.0, "b11": 1.0, "c11": 1.0})
+    first = linear, {"a11": -1.0, "b11": 1.0, "b12": 1.0, "c11": 1.0, "x1": 1.0}
+    parts = {"a": first, "b": (linear, {"a11": -2.0, "b11": 1.0, "c11": 1.0})}
+    system = joined(parts, "b.y1 a.u1", x="a.u2")
     system.connect("a.y1", "b.u1", Link(Scaling(2.0, 0.5)))
-    system.connect("b.y1", "a.u1")
-    system.expose("x", "a.u2")
     return system
 
 
