@@ -67,9 +67,14 @@ def bristle_rate(v: np.ndarray, z: np.ndarray, p: Parameters) -> np.ndarray:
     return v - p["sigma_0"] * abs(v) / stribeck(v, p) * z
 
 
+def damping(v: np.ndarray | float, p: Parameters) -> np.ndarray | float:
+    """Return the coefficient of the bristle's damping [N s/m], which may fade with the velocity."""
+    return p["sigma_1"] * (np.exp(-((v / p["v_d"]) ** 2)) if p["v_d"] else 1.0)
+
+
 def friction(v: np.ndarray, z: np.ndarray, p: Parameters) -> np.ndarray:
     """Return F_f [N], equation (3)."""
-    return p["sigma_0"] * z + p["sigma_1"] * bristle_rate(v, z, p)
+    return p["sigma_0"] * z + damping(v, p) * bristle_rate(v, z, p)
 
 
 def hold(y: np.ndarray, p: Parameters, force: Callable[[float], float]) -> np.ndarray:
@@ -119,17 +124,24 @@ def through_zero() -> tuple[np.ndarray, np.ndarray]:
 
 
 def lugre(p: Parameters, speeds: np.ndarray | None = None) -> Columns:
-    """Follow a velocity through zero, by z(t) = z_inf + (z - z_inf) e^(-a t)."""
+    """Follow a velocity through zero, by z(t) = z_inf + (z - z_inf) e^(-a t).
+
+    Of speeds that are given the lead and the viscous force are not taken again.
+    """
     t, v = through_zero() if speeds is None else (np.arange(len(speeds)) * STEP, speeds)
-    z, F_mean, F_f = 0.0, [0.0], [friction(v[0], 0.0, p)]
-    for speed in v[:-1]:
+    lead, b = (p["lead"], p["b"]) if speeds is None else (0.0, 0.0)
+    slope = np.diff(v, prepend=v[0]) / STEP
+    now = v + lead * slope
+    held = now if speeds is not None or p["hold"] else now - slope * STEP / 2
+    z, F_mean, F_f = 0.0, [0.0], [friction(v[0], 0.0, p) + b * v[0]]
+    for speed, shown in zip(held[:-1], now[:-1], strict=True):
         end = np.sign(speed) * stribeck(speed, p) / p["sigma_0"]
         y = p["sigma_0"] * abs(speed) / stribeck(speed, p) * STEP
         way = -(end - z) * np.expm1(-y)
         mean_z = end - way / y
-        F_mean.append(p["sigma_0"] * mean_z + p["sigma_1"] * way / STEP)
+        F_mean.append(p["sigma_0"] * mean_z + damping(speed, p) * way / STEP + b * speed)
         z += way
-        F_f.append(friction(speed, z, p))
+        F_f.append(friction(shown, z, p) + b * shown)
     return {"time": t, "v": v, "F_f": np.array(F_f), "F_mean": np.array(F_mean)}
 
 
@@ -537,7 +549,6 @@ def lugre_observer(p: Parameters, n: int = 401, held: tuple[float, float] | None
         last = max(k - 1, 0)
         v_k += weight * ((x_enc[k] - x_enc[last]) / STEP - v_k)
         v, correction = early[k] if p["reference"] else v_k, p["k_e"] * (v_k - v_r[last])
-        sigma_1 = p["sigma_1"] * (np.exp(-((v / p["v_d"]) ** 2)) if p["v_d"] else 1.0)
 
         def motion(_: float, y: np.ndarray, v: float = v, c: float = correction) -> list[float]:
             dz = bristle_rate(v, y[0] * Z_UNIT, p) - c
@@ -548,7 +559,7 @@ def lugre_observer(p: Parameters, n: int = 401, held: tuple[float, float] | None
         solved = solve_ivp(motion, (0.0, STEP), [z / Z_UNIT, 0.0, 0.0], "Radau", **tight).y
         z, area, damped = solved[:, -1] * Z_UNIT
         z = np.clip(z, -3 * p["F_s"] / p["sigma_0"], 3 * p["F_s"] / p["sigma_0"])
-        F.append(F_in[k] + (p["sigma_0"] * area + sigma_1 * damped) / STEP)
+        F.append(F_in[k] + (p["sigma_0"] * area + damping(v, p) * damped) / STEP)
         z_hat.append(z)
     return {"time": t, "x_enc": x_enc, "v_r": v_r, "F_in": F_in, "F": F, "z_hat": z_hat}
 
