@@ -29,6 +29,7 @@ CASES = [
     ("coulomb_observer", {"onset": 1e-5, "a_0": 3.0, "k_a": 0.2}),
     ("momentum_observer", {"onset": 1e-5, "a_0": 3.0}),
     *(("adaptive_scale", {"s_0": s_0, "rate": 20.0, "q_min": 1e-5}) for s_0 in (0.5, 1.3)),
+    *(("adaptive_scale", {"rate": 20.0} | least) for least in ({"q_min": 8e-4}, {"v_min": 0.04})),
     ("adaptive_scale", {"s_0": 40.0, "rate": 200.0, "q_min": 1e-5, "least": 0.99, "most": 1.01}),
     *(("static_feedforward", {"asymmetry": share, "b": 7.0}) for share in (-0.5, 0.3)),
     ("static_feedforward", {"v_t": 1e-12, "lead": 4e-3}),
