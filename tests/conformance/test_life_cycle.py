@@ -19,19 +19,6 @@ def one_fmu(request, build, version):
     return build(request.param, version)
 
 
-def test_bytes_of_another_build_are_no_state(one_fmu, slave, build):
-    donor = slave(build("dob", one_fmu.version)).initialize()
-    state = donor.api.getFMUState()
-    foreign = donor.api.serializeFMUState(state)
-    donor.api.freeFMUState(state)
-    instance = slave(one_fmu).initialize()
-    for wrong in (foreign, foreign[:-1], b"\0"):
-        with pytest.raises(FMICallException):
-            instance.api.deserializeFMUState(wrong)
-        assert "not a state of this build" in instance.messages[-1][2]
-    instance.run(0, 3)
-
-
 def test_a_description_of_another_build_is_refused(one_fmu, slave):
     messages = []
     with pytest.raises(Exception, match="Failed to instantiate"):

@@ -1,8 +1,6 @@
 """Model Exchange: the equations of the paper, and the samples of Co-Simulation."""
 
-import numpy as np
 import pytest
-from fmpy.fmi1 import FMICallException
 
 from stickslip import models
 from tests.conformance import equations
@@ -78,24 +76,3 @@ def test_what_has_no_such_equations_says_so(build, exchanged):
         with pytest.raises(Exception, match="Failed to instantiate"):
             exchanged(fmu, messages=messages)
         assert "Model Exchange is not available" in messages[0][2]
-
-
-def test_calls_out_of_place_are_refused(build, exchanged, version):
-    instance = exchanged(build("stage", version)).initialize()
-    states = np.zeros(instance.n_states)
-    with pytest.raises(FMICallException):
-        instance.place(0.0, states)
-    assert "'event mode'" in instance.messages[-1][2]
-    instance.api.enterContinuousTimeMode()
-    with pytest.raises(FMICallException):
-        instance.update()
-    with pytest.raises(FMICallException) as discard:
-        instance.place(0.0, states + np.inf)
-    assert discard.value.status == 2  # a smaller step may help
-    tunable = next(v.name for v in instance.fmu.model.variables if v.variability == "tunable")
-    with pytest.raises(FMICallException):
-        instance.set({tunable: 1.0})
-    instance.place(0.0, states)
-    instance.api.enterEventMode()
-    instance.set({tunable: 1.0})
-    instance.api.terminate()
