@@ -77,17 +77,31 @@ def friction(v: np.ndarray, z: np.ndarray, p: Parameters) -> np.ndarray:
     return p["sigma_0"] * z + damping(v, p) * bristle_rate(v, z, p)
 
 
-def hold(y: np.ndarray, p: Parameters, force: Callable[[float], float]) -> np.ndarray:
-    """Return x, v, z after one step under a force [N] that is a function of the time in it [s]."""
+def hold(
+    y: np.ndarray,
+    p: Parameters,
+    force: Callable[[float, float], float],
+    rough: Callable[[float, float, float], float] = lambda *_: 1.0,
+) -> np.ndarray:
+    """Return x, v, z after one step under a force [N], a function of the time in it and the place.
+
+    The guide multiplies the steady friction by ``rough``, of time, place and velocity.
+    """
 
     def motion(t: float, y: np.ndarray) -> list[float]:
-        v, z = y[1], y[2] * Z_UNIT
-        dv = (force(t) - p["b"] * v - friction(v, z, p)) / p["m"]
-        return [v, dv, bristle_rate(v, z, p) / Z_UNIT]
+        x, v, z = y[0], y[1], y[2] * Z_UNIT
+        there = scaled(p, rough(t, x, v))
+        dv = (force(t, x) - p["b"] * v - friction(v, z, there)) / p["m"]
+        return [v, dv, bristle_rate(v, z, there) / Z_UNIT]
 
-    scaled = y / [1.0, 1.0, Z_UNIT]
-    end = solve_ivp(motion, (0.0, STEP), scaled, "Radau", rtol=1e-10, atol=1e-13).y[:, -1]
+    begin = y / [1.0, 1.0, Z_UNIT]
+    end = solve_ivp(motion, (0.0, STEP), begin, "Radau", rtol=1e-10, atol=1e-13).y[:, -1]
     return end * [1.0, 1.0, Z_UNIT]
+
+
+def scaled(p: Parameters, factor: float) -> Parameters:
+    """Return the parameters of a contact whose steady friction is so many times as large."""
+    return p if factor == 1.0 else {**p, "F_s": factor * p["F_s"], "F_c": factor * p["F_c"]}
 
 
 def stage(p: Parameters) -> Columns:
@@ -96,25 +110,47 @@ def stage(p: Parameters) -> Columns:
     u = 15.0 * np.sin(2 * np.pi * 14.0 * t) * np.where(t < 0.08, 1.0, 0.2)
     y = [np.zeros(3)]
     for force in u[:-1]:
-        y.append(hold(y[-1], p, lambda _, force=force: force))
+        y.append(hold(y[-1], p, lambda *_, force=force: force))
     x, v, z = np.transpose(y)
     return {"time": t, "u": u, "x": x, "v": v, "F_f": friction(v, z, p)}
 
 
 def drive(p: Parameters) -> Columns:
-    """Move as the stage, behind DAC and motor lag."""
+    """Move as the stage, behind DAC and motor lag, on a guide that pushes and is rough."""
     t = np.arange(201) * STEP
     u = 15.0 * np.sin(2 * np.pi * 14.0 * t)
-    target = np.clip(np.rint(u / p["dac_step"]) * p["dac_step"], -p["u_max"], p["u_max"])
+    target = np.rint(u / p["dac_step"]) * p["dac_step"] if p["dac"] else u
+    target = np.clip(target, -p["u_max"], p["u_max"])
+    lag = p["tau_i"] if p["current_loop"] else INSTANT
+
+    def rough(t: float, x: float, v: float) -> float:
+        weight = abs(p["g_s"] * np.sin(x) + p["g_c"] * np.cos(x))
+        loaded = 1.0 + (p["mu"] * abs(p["load"]) + p["mu_g"] * weight) / p["F_c"]
+        side = p["asymmetric"] * p["asymmetry"] * (-1.0 if v < 0.0 else 1.0)
+        wave = np.sin(2 * np.pi * x / p["position_period"])
+        along = p["position_dependent"] * p["position_amplitude"] * wave
+        warm = p["drift"] * (1.0 - np.exp(-t / p["drift_time"]))
+        return loaded * (1.0 + side) * (1.0 + along) * (1.0 - warm)
+
+    def push(x: float) -> float:
+        wave = p["ripple_amplitude"] * np.sin(2 * np.pi * x / p["ripple_period"])
+        return float(p["ripple"] * wave - force_of_position(p, np.array([x]))[0])
+
     y, motor = [np.zeros(3)], [0.0]
-    for force in target[:-1]:
+    for begin, force in zip(t, target[:-1], strict=False):
         lack = motor[-1] - force
-        y.append(hold(y[-1], p, lambda t, f=force, k=lack: f + k * np.exp(-t / p["tau_i"])))
-        motor.append(force + lack * np.exp(-STEP / p["tau_i"]))
+
+        def applied(s: float, x: float, force: float = force, lack: float = lack) -> float:
+            return force + lack * np.exp(-s / lag) + push(x)
+
+        y.append(hold(y[-1], p, applied, lambda s, x, v, t=begin: rough(t + s, x, v)))
+        motor.append(force + lack * np.exp(-STEP / lag))
     x, v, z = np.transpose(y)
-    x_enc = np.rint(x / p["encoder_step"]) * p["encoder_step"]
-    shown = {"x_enc": x_enc, "F_m": np.array(motor), "F_f": friction(v, z, p)}
-    return {"time": t, "u": u, **shown, "x": x, "v": v}
+    there = [scaled(p, rough(*at)) for at in zip(t, x, v, strict=True)]
+    F_f = np.array([friction(*at) for at in zip(v, z, there, strict=True)])
+    x_enc = x + p["sde"] * np.sin(2 * np.pi * x / p["sde_period"])
+    x_enc = np.rint(x_enc / p["encoder_step"]) * p["encoder_step"] if p["encoder"] else x_enc
+    return {"time": t, "u": u, "x_enc": x_enc, "F_m": np.array(motor), "F_f": F_f, "x": x, "v": v}
 
 
 def through_zero() -> tuple[np.ndarray, np.ndarray]:
