@@ -73,10 +73,10 @@ def describe(kind: str, version: int, units: dict[str, str]) -> str:
     )
 
 
-def library(kind: str) -> Path:
-    """Return the compiled model."""
-    number = ["gain", "integrator"].index(kind)
-    return fmu.library(kind, Path(__file__).with_name("model.c"), flags=(f"-DKIND={number}",))
+def library(name: str, model: int) -> bytes:
+    """Return one of the models of models.c, compiled."""
+    source = Path(__file__).with_name("models.c")
+    return fmu.library(name, source, flags=(f"-DMODEL={model}",)).read_bytes()
 
 
 @pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
@@ -95,7 +95,8 @@ def make(tmp_path_factory: pytest.TempPathFactory) -> Make:
 
     @functools.cache
     def make(kind: str, version: int = 2, **units: str) -> Path:
-        files = {fmu.place(kind, version): library(kind).read_bytes()}
+        model = {"gain": 6, "integrator": 7}[kind]
+        files = {fmu.place(kind, version): library(kind, model)}
         path = Path(tempfile.mkdtemp(dir=folder)) / f"{kind}.fmu"
         return fmu.pack(path, describe(kind, version, units), files)
 

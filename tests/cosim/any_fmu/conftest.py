@@ -1,4 +1,4 @@
-"""FMUs as other tools export them, made on the spot from models.c."""
+"""FMUs as other tools export them, made on the spot from tests/cosim/models.c."""
 
 import functools
 import tempfile
@@ -10,6 +10,7 @@ import pytest
 
 from tests.corpus import fmu
 from tests.corpus.fmu import Variable
+from tests.cosim.conftest import library
 
 NUMERIC = ["Float64", "Float32"]
 NUMERIC += [f"{sign}Int{bits}" for bits in (8, 16, 32, 64) for sign in ("", "U")]
@@ -147,13 +148,6 @@ def describe(
     )
 
 
-def library(model: str) -> Path:
-    """Return the compiled model."""
-    number = list(MODELS).index(model)
-    source = Path(__file__).with_name("models.c")
-    return fmu.library(model, source, flags=(f"-DMODEL={number}",))
-
-
 Export = Callable[..., Path]
 
 
@@ -172,7 +166,8 @@ def export(tmp_path_factory: pytest.TempPathFactory) -> Export:
         experiment: str = "",
     ) -> Path:
         description = describe(model, version, interfaces, flags, experiment)
-        files = {fmu.place(binary_name or model, version): library(model).read_bytes()}
+        binary = library(model, list(MODELS).index(model))
+        files = {fmu.place(binary_name or model, version): binary}
         return fmu.pack(Path(tempfile.mkdtemp(dir=folder)) / f"{model}.fmu", description, files)
 
     return export
