@@ -96,11 +96,14 @@ def halves(
     """
     with system.prepare(**how) as simulation:
         whole = simulation.run(*given, tunable=tunable)
+        effort = dict(simulation.effort)
         begun = simulation.run(*given, tunable=tunable, until=until)
         np.testing.assert_array_equal(begun.values, whole.values[: len(begun.time)])
         simulation.save(path)
     with system.prepare(**how) as another:
-        return whole, another.resume(path, *given[1:], tunable=tunable)
+        rest = another.resume(path, *given[1:], tunable=tunable)
+        assert another.effort == effort
+    return whole, rest
 
 
 def members(path: Path) -> dict[str, bytes]:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from stickslip import cosim
 from tests.corpus import fmu
@@ -94,6 +95,14 @@ class TwoMasses:
                 [kc / m2, d / m2, -(k2 + kc) / m2, -d / m2],
             ]
         )
+
+    def exact(self, time: np.ndarray) -> np.ndarray:
+        """Return the places of the left mass (n,), m, at times a step apart from 0 on."""
+        once = expm(self.matrix * time[1])
+        states = [np.array([1.0, 0.0, self.right.get("x1", 0.0), 0.0])]
+        for _ in time[1:]:
+            states.append(once @ states[-1])
+        return np.array(states)[:, 0]
 
     def system(self, linear: Linear, version: int = 2, **abilities: bool) -> cosim.System:
         left = linear(version, **abilities), self.left
