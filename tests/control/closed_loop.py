@@ -10,7 +10,6 @@ from stickslip import cosim
 from stickslip.servo.axis import Axis
 from stickslip.servo.velocity_loop import VelocityLoop
 
-STATES = 8  # of the nominal_loop FMU
 NO_FRICTION = {"F_s": 1e-9, "F_c": 1e-9, "sigma_0": 1e-3, "sigma_1": 0.0}
 
 
@@ -56,19 +55,6 @@ def follow(loop: VelocityLoop, v_cmd: np.ndarray, F_ff: np.ndarray) -> np.ndarra
             state[2] = state[3]
         state = move @ state
     return np.array(velocity)
-
-
-def nominal_values(loop: VelocityLoop) -> dict[str, float]:
-    """Return the parameters of the nominal_loop FMU; states that the loop has not are zero."""
-    A = np.zeros((STATES, STATES))
-    B, C = np.zeros(STATES), np.zeros(STATES)
-    n = loop.nominal.nstates
-    A[:n, :n], B[:n], C[:n] = loop.nominal.A, loop.nominal.B[:, 0], loop.nominal.C[0]
-    values = {"T_s": loop.T_s, "D": float(loop.nominal.D[0, 0])}
-    for i in range(STATES):
-        values |= {f"B[{i + 1}]": float(B[i]), f"C[{i + 1}]": float(C[i])}
-        values |= {f"A[{i + 1},{k + 1}]": float(A[i, k]) for k in range(STATES)}
-    return values
 
 
 def ideal_servo(fmus: Path, loop: VelocityLoop) -> cosim.System:

@@ -24,6 +24,7 @@ CASES = [
     _case("save-over-the-fmu", "a state that would be saved over the FMU that is run", "--save a.fmu: is what the run reads", "simulate a.fmu --until 0.5 --save a.fmu"),
     _case("out-over-the-input", "results that would be written over the input", "--out in.csv: is what the run reads", "simulate a.fmu --input in.csv --out ./in.csv"),
     _case("memory", "a limit of 1e300 MB", "isolation: memory is 1e\\+300, expected a positive number below", "simulate a.fmu --memory 1e300"),
+    _case("timeout-of-nothing", "a time limit for an FMU that runs in the same process", "--timeout needs --isolate", "simulate a.fmu --no-isolate --timeout 5"),
     _case("allow-missing", "access to a folder that is not there", "allow is 'files=missing', expected a folder that exists", "simulate a.fmu --allow files=missing"),
     _case("allow-nothing", "access to no folder, which would be the present one", "allow is 'files=', expected a folder", "simulate a.fmu --allow files="),
     _case("until-nan", "an end at NaN", "until = nan s is not a point in time", "simulate a.fmu --until nan"),

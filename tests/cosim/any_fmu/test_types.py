@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from stickslip.cli import main
 from tests.cosim.any_fmu.conftest import NUMERIC
 from tests.cosim.single import by_fmpy, joined, one
 
@@ -136,24 +135,6 @@ def test_dimensions_do_not_change_from_run_to_run(export):
 def test_what_does_not_fit_is_refused(export, parameters, message):
     with pytest.raises(cosim.ParameterError, match=message):
         system_of(export, parameters)
-
-
-def test_an_array_is_an_input_from_one_column(export, tmp_path, capsys):
-    """Numbers of a cell are elements row by row, as if each had a column of its own."""
-    path = export("state_space", 3, "CS")
-    rows = ["time,u", "0,0.1 0.2 0.3", "1,1 2 3", "2,-1 0 1"]
-    (tmp_path / "one.csv").write_text("\n".join(rows))
-    apart = [row.replace(" ", ",") for row in rows]
-    apart[0] = 'time,"u[1]","u[2]","u[3]"'
-    (tmp_path / "three.csv").write_text("\n".join(apart))
-    results = []
-    for name in ("one", "three"):
-        out = tmp_path / f"{name}-out.csv"
-        arguments = ["--stop", "2", "--step", "0.1", "--input", str(tmp_path / f"{name}.csv")]
-        assert main(["simulate", str(path), *arguments, "--out", str(out)]) == 0
-        results.append(out.read_text())
-    assert results[0] == results[1]
-    assert "inputs that stay" not in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
