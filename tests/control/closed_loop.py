@@ -23,19 +23,6 @@ def sampled_axis(axis: Axis, T_s: float) -> np.ndarray:
     return expm(rates * T_s)
 
 
-def open_loop_gain(
-    axis: Axis, T_s: float, tau_f: float, K_p: float, K_i: float, f: float
-) -> complex:
-    """Return the gain around the loop at a frequency [Hz], product of its parts."""
-    z = np.exp(2j * np.pi * f * T_s)
-    move = sampled_axis(axis, T_s)
-    n, u = (3, 3) if axis.tau_i > 0.0 else (2, 2)  # without a lag the motor force is the command
-    position = np.linalg.solve(z * np.eye(n) - move[:n, :n], move[:n, u])[0]
-    weight = 1.0 - math.exp(-T_s / tau_f) if tau_f > 0.0 else 1.0
-    estimate = weight * z / (z - (1.0 - weight)) * (1.0 - 1.0 / z) / T_s
-    return complex((K_p + K_i * T_s * z / (z - 1.0)) * position * estimate)
-
-
 def follow(loop: VelocityLoop, v_cmd: np.ndarray, F_ff: np.ndarray) -> np.ndarray:
     """Return the velocity (n,) [m/s] at the samples: controller and axis step by step."""
     move = sampled_axis(loop.axis, loop.T_s)

@@ -147,25 +147,6 @@ def test_every_status(rigs, version, kind, function, caplog, monkeypatch):
         assert states == 0 or status == FATAL
 
 
-@pytest.mark.parametrize(
-    ("version", "kind"), sorted({(version, kind) for version, kind, _ in CASES})
-)
-def test_a_reset_that_does_nothing(rigs, version, kind, caplog, monkeypatch):
-    monkeypatch.setattr(resets, "lines", {})
-    rig = rigs(version, kind)
-    rig.arm("Keep 0 0")
-    before = rig.counts()
-    with rig.prepare() as simulation:
-        expected = drive(simulation)
-        for _ in range(3):
-            np.testing.assert_array_equal(drive(simulation), expected)
-    rig.arm()
-    (record,) = caplog.records
-    assert record.message.startswith("a (")
-    assert "cannot be used again after a reset: a.y is " in record.message
-    np.testing.assert_array_equal(rig.counts(), before)
-
-
 @pytest.mark.parametrize(("step", "longest", "parts"), [(0.1, 30, 4), (1.0, 1, 1024)])
 def test_discarded_steps_are_tried_in_parts(rigs, version, step, longest, parts):
     """A step (s) that the FMU discards above so many ms gives what so many short steps give."""

@@ -1,5 +1,6 @@
-"""Each hostile input ends in one line that states the fault; nothing stays behind."""
+"""Each hostile input ends in one line that states the fault; campaigns/fuzz.py hunts for more."""
 
+import logging
 import re
 import subprocess
 import sys
@@ -9,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from campaigns.fuzz import PARSERS, run
 from stickslip.cli import main
 from tests.corpus.hostile import CASES, GROUPS, Case, descriptions, fmus, python, xml
 
@@ -85,3 +87,23 @@ def test_closed_standard_streams_change_nothing(tmp_path, how):
     assert done.returncode == 0, done.stderr
     assert out.read_text().startswith("time,u,hostile.y\n")
     assert "Traceback" not in done.stderr
+
+
+N = {"mat": 20, "ssp": 50}  # each starts a process, or unpacks two FMUs
+TEXTS = ("description", "csv", "config", "learned", "checkpoint")
+N |= dict.fromkeys((*TEXTS, "library", "state"), 500)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PARSERS)
+def test_mutated_inputs_are_taken_or_refused(name, tmp_path, caplog):
+    caplog.set_level(logging.CRITICAL)
+    parser = PARSERS[name]
+    for data in parser.sound():  # else all that is made of it would be refused for one reason
+        file = tmp_path / parser.file
+        file.write_bytes(data)
+        parser.read(file)
+    tally = run(parser, 0, range(N.get(name, 100)))
+    assert not tally.unexpected
+    assert tally.accepted > 0
+    assert tally.refused > 0

@@ -27,11 +27,10 @@ typedef enum {
     STATES,     /* status 0: FMI 3.0 has 2^40 states */
     SAY,        /* the n-th DoStep logs the status, and returns OK */
     SILENT,     /* the n-th DoStep returns the status, and logs nothing */
-    KEEP,       /* Reset does nothing, and initialisation leaves x as it is */
     N_FAULTS
 } Fault;
-static const char *const WORDS[] = {"",      "Output", "Freeze", "Nothing", "Size",   "Long",
-                                    "Slope", "Event",  "States", "Say",     "Silent", "Keep"};
+static const char *const WORDS[] = {"",      "Output", "Freeze", "Nothing", "Size",  "Long",
+                                    "Slope", "Event",  "States", "Say",     "Silent"};
 
 typedef struct {
     double u, x[1], k, t;
@@ -121,9 +120,6 @@ static int plain(Model *c, const char *name) {
 
 static int reset(Model *c) {
     ANSWER("Reset");
-    if (fault == KEEP) {
-        return said;
-    }
     c->u = c->x[0] = c->t = 0.0;
     c->k = 1.0;
     return said;
@@ -131,7 +127,7 @@ static int reset(Model *c) {
 
 static int begin(Model *c) {
     ANSWER("EnterInitializationMode");
-    c->x[0] = fault == KEEP ? c->x[0] : c->k;
+    c->x[0] = c->k;
     return said;
 }
 
