@@ -17,7 +17,6 @@ from fmpy import fmi2, fmi3
 from fmpy.logging import addLoggerProxy
 
 from stickslip import models
-from tests.conformance.fuzz_calls import find_compiler
 
 STEP = 5e-4  # s
 
@@ -315,12 +314,3 @@ def exchanged(slave: Callable[..., Slave]) -> Callable[..., Exchanged]:
 def identical() -> Callable[[object, object], bool]:
     """Compare two arrays by their bits."""
     return same_bits
-
-
-@pytest.fixture(scope="session")
-def compiler(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """Find a system compiler whose sanitizers work."""
-    found = find_compiler(tmp_path_factory.mktemp("compiler"))
-    if found is None:
-        pytest.skip("no gcc or clang with working address and undefined-behaviour sanitizers")
-    return found

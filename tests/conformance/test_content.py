@@ -121,13 +121,3 @@ def test_one_fmu_holds_all_platforms(version, tmp_path):
         found = read_library(library)
         assert set(found.needs) <= SYSTEM
         assert f"fmi{version}DoStep" in found.exports
-
-
-@pytest.mark.platforms
-def test_an_empty_cache_gives_the_same_bytes_for_every_platform(tmp_path, monkeypatch):
-    here = {}
-    for folder in ("one", "two with a blank"):
-        monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / folder / "cache"))
-        fmu = models.build_fmu("stage", tmp_path / folder, platforms=PLATFORMS.values())
-        here[folder] = fmu.read_bytes()
-    assert len(set(here.values())) == 1

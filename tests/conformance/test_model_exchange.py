@@ -1,9 +1,6 @@
-"""Model Exchange: the equations of the paper, and the results of Co-Simulation."""
+"""Model Exchange: the equations of the paper, and the samples of Co-Simulation."""
 
-import fmpy
-import numpy as np
 import pytest
-from fmpy.fmi1 import FMICallException
 
 from stickslip import models
 from tests.conformance import equations
@@ -26,30 +23,6 @@ def at(instance, point):
     return dict(zip(names, instance.get(names), strict=True))
 
 
-def held(time, **signals):
-    """Return inputs for FMPy that hold: each change is an event, with two rows."""
-    rows = [(t, *row) for row, t in _twice(time, zip(*signals.values(), strict=True))]
-    return np.array(rows, dtype=[("time", "f8"), *((name, "f8") for name in signals)])
-
-
-def _twice(time, rows):
-    for k, row in enumerate(rows):
-        yield from ((row, t) for t in time[k : k + 2])
-
-
-def solve(fmu, inputs, **options):
-    """Let FMPy's CVode integrate; return one row a time, at an event what was there before."""
-    result = fmpy.simulate_fmu(
-        str(fmu.path),
-        fmi_type="ModelExchange",
-        stop_time=inputs["time"][-1],
-        relative_tolerance=1e-9,
-        input=inputs,
-        **options,
-    )
-    return result[np.unique(result["time"].round(9), return_index=True)[1]]
-
-
 def test_every_law_with_derivatives_is_compared_with_its_equations(name, build):
     model = build(name, 2).model
     switched = name in [f"stage+{law}" for law in SWITCHED]
@@ -69,27 +42,6 @@ def test_derivatives_and_outputs_are_the_equations_of_the_paper(build, exchanged
         assert instance.vector("Derivatives").tolist() == derivatives
         states = [point[n] for n in fmu.names("state")]
         assert instance.vector("ContinuousStates").tolist() == states
-
-
-@pytest.mark.parametrize(
-    ("name", "tolerance"), [("stage", 2e-6), ("compensator", 1e-6), ("compensator+dahl", 1e-6)]
-)
-def test_the_results_are_those_of_co_simulation(build, name, version, tolerance):
-    """Where the input holds over each step; relative to the largest value."""
-    fmu = build(name, version)
-    [fed] = fmu.names("input")
-    step, count = 1e-2, 60
-    time = np.arange(count + 1) * step
-    values = fmu.sizes()[fed] * 1.5 * np.sin(2 * np.pi * 4.0 * time + 0.5)
-    states = fmu.names("state")
-    stepped = fmu.simulate(time[-1], step, input={"time": time, fed: values}, output=states)
-    solved = solve(fmu, held(time, **{fed: values}), output=states, output_interval=step)
-    assert len(solved) == count + 1
-    for state in states:
-        largest = np.abs(stepped[state]).max()
-        np.testing.assert_allclose(
-            solved[state] / largest, stepped[state] / largest, atol=tolerance
-        )
 
 
 @pytest.mark.parametrize("name", SAMPLED)
@@ -124,25 +76,3 @@ def test_what_has_no_such_equations_says_so(build, exchanged):
         with pytest.raises(Exception, match="Failed to instantiate"):
             exchanged(fmu, messages=messages)
         assert "Model Exchange is not available" in messages[0][2]
-
-
-@pytest.mark.parametrize("name", CONTINUOUS)
-def test_calls_out_of_place_are_refused(build, exchanged, name, version):
-    instance = exchanged(build(name, version)).initialize()
-    states = np.zeros(instance.n_states)
-    with pytest.raises(FMICallException):
-        instance.place(0.0, states)
-    assert "'event mode'" in instance.messages[-1][2]
-    instance.api.enterContinuousTimeMode()
-    with pytest.raises(FMICallException):
-        instance.update()
-    with pytest.raises(FMICallException) as discard:
-        instance.place(0.0, states + np.inf)
-    assert discard.value.status == 2  # a smaller step may help
-    tunable = next(v.name for v in instance.fmu.model.variables if v.variability == "tunable")
-    with pytest.raises(FMICallException):
-        instance.set({tunable: 1.0})
-    instance.place(0.0, states)
-    instance.api.enterEventMode()
-    instance.set({tunable: 1.0})
-    instance.api.terminate()

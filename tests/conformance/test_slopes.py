@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from fmpy.fmi1 import FMICallException
 
 from tests.conformance import equations
 
@@ -129,13 +128,3 @@ def test_in_co_simulation_they_are_those_of_the_outputs_now(build, slave, name, 
             of, by = references(fmu, outputs), references(fmu, [known])
             found = instance.api.getDirectionalDerivative(of, by, [1.0])
             np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-9)
-
-
-def test_what_has_no_derivative_is_refused(solved):
-    fmu = solved.fmu
-    [u, *_], [k, *_] = references(fmu, unknowns(fmu)), references(fmu, knowns(fmu))
-    [m] = references(fmu, ["F_c"])
-    for of, by, wrong in ((m, k, "a derivative or an output"), (u, m, "a continuous state or an")):
-        with pytest.raises(FMICallException):
-            solved.api.getDirectionalDerivative([of], [by], [1.0])
-        assert f"value reference {m} is not {wrong}" in solved.messages[-1][2]

@@ -10,7 +10,6 @@ from stickslip import cosim
 from stickslip.servo.axis import Axis
 from stickslip.servo.velocity_loop import VelocityLoop
 
-STATES = 8  # of the nominal_loop FMU
 NO_FRICTION = {"F_s": 1e-9, "F_c": 1e-9, "sigma_0": 1e-3, "sigma_1": 0.0}
 
 
@@ -22,19 +21,6 @@ def sampled_axis(axis: Axis, T_s: float) -> np.ndarray:
     if axis.tau_i > 0.0:
         rates[2, 2], rates[2, 3] = -1.0 / axis.tau_i, 1.0 / axis.tau_i
     return expm(rates * T_s)
-
-
-def open_loop_gain(
-    axis: Axis, T_s: float, tau_f: float, K_p: float, K_i: float, f: float
-) -> complex:
-    """Return the gain around the loop at a frequency [Hz], product of its parts."""
-    z = np.exp(2j * np.pi * f * T_s)
-    move = sampled_axis(axis, T_s)
-    n, u = (3, 3) if axis.tau_i > 0.0 else (2, 2)  # without a lag the motor force is the command
-    position = np.linalg.solve(z * np.eye(n) - move[:n, :n], move[:n, u])[0]
-    weight = 1.0 - math.exp(-T_s / tau_f) if tau_f > 0.0 else 1.0
-    estimate = weight * z / (z - (1.0 - weight)) * (1.0 - 1.0 / z) / T_s
-    return complex((K_p + K_i * T_s * z / (z - 1.0)) * position * estimate)
 
 
 def follow(loop: VelocityLoop, v_cmd: np.ndarray, F_ff: np.ndarray) -> np.ndarray:
@@ -56,19 +42,6 @@ def follow(loop: VelocityLoop, v_cmd: np.ndarray, F_ff: np.ndarray) -> np.ndarra
             state[2] = state[3]
         state = move @ state
     return np.array(velocity)
-
-
-def nominal_values(loop: VelocityLoop) -> dict[str, float]:
-    """Return the parameters of the nominal_loop FMU; states that the loop has not are zero."""
-    A = np.zeros((STATES, STATES))
-    B, C = np.zeros(STATES), np.zeros(STATES)
-    n = loop.nominal.nstates
-    A[:n, :n], B[:n], C[:n] = loop.nominal.A, loop.nominal.B[:, 0], loop.nominal.C[0]
-    values = {"T_s": loop.T_s, "D": float(loop.nominal.D[0, 0])}
-    for i in range(STATES):
-        values |= {f"B[{i + 1}]": float(B[i]), f"C[{i + 1}]": float(C[i])}
-        values |= {f"A[{i + 1},{k + 1}]": float(A[i, k]) for k in range(STATES)}
-    return values
 
 
 def ideal_servo(fmus: Path, loop: VelocityLoop) -> cosim.System:

@@ -11,11 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stickslip.servo.axis import Axis, ControlError
-from stickslip.servo.velocity_loop import (
-    LoopSpecification,
-    design_velocity_loop,
-)
-from tests.control.closed_loop import follow, open_loop_gain
+from stickslip.servo.velocity_filter import FilterSpecification
+from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
+from tests.control.closed_loop import follow
 
 T_S = 5e-4
 
@@ -63,8 +61,9 @@ def test_meets_its_specification_or_says_that_it_cannot(axis, wanted):
     assert loop.K_p >= 0.0
     assert loop.K_i >= 0.0
     f = wanted.bandwidth
-    by_hand = open_loop_gain(axis, T_S, wanted.tau_f, loop.K_p, loop.K_i, f)
-    for value in (by_hand, complex(loop.open_loop(np.exp(2j * np.pi * f * T_S)))):
+    z = np.exp(2j * np.pi * f * T_S)
+    by_hand = transfer_function(axis, loop.K_p, loop.K_i, wanted.tau_f)
+    for value in (complex(by_hand(z)), complex(loop.open_loop(z))):
         assert abs(value) == pytest.approx(1.0, rel=1e-7)
         assert np.degrees(np.angle(-value)) == pytest.approx(wanted.phase_margin, abs=1e-5)
     figures = loop.margins()
@@ -118,6 +117,7 @@ def test_says_what_can_be_reached(bandwidth, phase_margin, tau_f, message):
 
 SPECIFICATION = LoopSpecification(125.0, 50.0)
 AXIS = Axis(5.557, 6.6135)
+FILTER = FilterSpecification(encoder_step=4e-7, force_noise=0.05, disturbance_rate=1.5)
 
 
 @pytest.mark.parametrize(
@@ -132,6 +132,13 @@ AXIS = Axis(5.557, 6.6135)
         (AXIS, {"m": 0.0}, "m is 0 kg; expected above 0"),
         (AXIS, {"b": math.inf}, "b is inf N s/m"),
         (AXIS, {"tau_i": -1.0}, "tau_i is -1 s"),
+        (FILTER, {"encoder_step": 0.0}, "encoder_step is 0 m; expected above 0"),
+        (FILTER, {"force_noise": -1.0}, "force_noise is -1 N; expected 0 or above"),
+        (
+            FILTER,
+            {"disturbance_rate": math.inf},
+            r"disturbance_rate is inf N/s\^0.5; expected above",
+        ),
     ],
 )
 def test_values_out_of_range(sound, change, message):

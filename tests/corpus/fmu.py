@@ -147,11 +147,15 @@ def place(name: str, version: int) -> str:
     return f"binaries/{folder}/{name}{platform.suffix}"
 
 
+def archive(path: Path, members: Mapping[str, bytes | str]) -> Path:
+    """Write a zip archive."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+        for name, content in members.items():
+            file.writestr(name, content)
+    return path
+
+
 def pack(path: Path, description: str, files: Mapping[str, bytes]) -> Path:
     """Write an FMU."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("modelDescription.xml", description)
-        for name, content in files.items():
-            archive.writestr(name, content)
-    return path
+    return archive(path, {"modelDescription.xml": description, **files})

@@ -1,5 +1,7 @@
 """Small FMUs made on the spot: a gain (direct feedthrough) and an integrator."""
 
+import functools
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -71,10 +73,10 @@ def describe(kind: str, version: int, units: dict[str, str]) -> str:
     )
 
 
-def library(kind: str) -> Path:
-    """Return the compiled model."""
-    number = ["gain", "integrator"].index(kind)
-    return fmu.library(kind, Path(__file__).with_name("model.c"), flags=(f"-DKIND={number}",))
+def library(name: str, model: int) -> bytes:
+    """Return one of the models of models.c, compiled."""
+    source = Path(__file__).with_name("models.c")
+    return fmu.library(name, source, flags=(f"-DMODEL={model}",)).read_bytes()
 
 
 @pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
@@ -90,14 +92,12 @@ Make = Callable[..., Path]
 def make(tmp_path_factory: pytest.TempPathFactory) -> Make:
     """Make an FMU: ``make("gain", 3, u="m")`` is FMI 3.0 with the input in metres."""
     folder = tmp_path_factory.mktemp("fmus")
-    made: dict[tuple[object, ...], Path] = {}
 
+    @functools.cache
     def make(kind: str, version: int = 2, **units: str) -> Path:
-        key = (kind, version, *units.items())
-        if key not in made:
-            path = folder / str(len(made)) / f"{kind}.fmu"
-            files = {fmu.place(kind, version): library(kind).read_bytes()}
-            made[key] = fmu.pack(path, describe(kind, version, units), files)
-        return made[key]
+        model = {"gain": 6, "integrator": 7}[kind]
+        files = {fmu.place(kind, version): library(kind, model)}
+        path = Path(tempfile.mkdtemp(dir=folder)) / f"{kind}.fmu"
+        return fmu.pack(path, describe(kind, version, units), files)
 
     return make

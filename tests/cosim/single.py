@@ -1,4 +1,4 @@
-"""Systems of one FMU, the same FMU in FMPy, runs in two halves, and archives packed again."""
+"""Systems of FMUs, one FMU in FMPy, runs in two halves, and archives packed again."""
 
 import zipfile
 from collections.abc import Callable, Mapping
@@ -9,6 +9,7 @@ import fmpy
 import numpy as np
 
 from stickslip import cosim
+from tests.corpus.fmu import archive
 
 
 def one(
@@ -23,6 +24,23 @@ def one(
     system.add(name, path, parameters, **how)
     if u:
         system.expose("u", f"{name}.{u}")
+    return system
+
+
+def joined(
+    parts: Mapping[str, Any], *wires: str, name: str = "joined", **inputs: str
+) -> cosim.System:
+    """Return a system of FMUs, or pairs of FMU and parameters, joined by ``"a.y b.u"``.
+
+    An input of the system leads to one or more variables: ``u="a.u b.u"``.
+    """
+    system = cosim.System(name)
+    for part, given in parts.items():
+        system.add(part, *(given if isinstance(given, tuple) else (given,)))
+    for wire in wires:
+        system.connect(*wire.split())
+    for known, targets in inputs.items():
+        system.expose(known, *targets.split())
     return system
 
 
@@ -78,17 +96,20 @@ def halves(
     """
     with system.prepare(**how) as simulation:
         whole = simulation.run(*given, tunable=tunable)
+        effort = dict(simulation.effort)
         begun = simulation.run(*given, tunable=tunable, until=until)
         np.testing.assert_array_equal(begun.values, whole.values[: len(begun.time)])
         simulation.save(path)
     with system.prepare(**how) as another:
-        return whole, another.resume(path, *given[1:], tunable=tunable)
+        rest = another.resume(path, *given[1:], tunable=tunable)
+        assert another.effort == effort
+    return whole, rest
 
 
 def members(path: Path) -> dict[str, bytes]:
     """Return the members of an archive."""
-    with zipfile.ZipFile(path) as archive:
-        return {name: archive.read(name) for name in archive.namelist()}
+    with zipfile.ZipFile(path) as file:
+        return {name: file.read(name) for name in file.namelist()}
 
 
 def repacked(
@@ -98,9 +119,5 @@ def repacked(
     renamed: Callable[[str], str] = str,
 ) -> Path:
     """Pack the members of an archive again, some changed, renamed, or left out (None)."""
-    content = members(path)
-    with zipfile.ZipFile(other, "w") as archive:
-        for name, data in content.items():
-            if (new := change(name, data)) is not None:
-                archive.writestr(renamed(name), new)
-    return other
+    changed = {renamed(name): change(name, data) for name, data in members(path).items()}
+    return archive(other, {name: data for name, data in changed.items() if data is not None})

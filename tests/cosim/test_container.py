@@ -7,7 +7,7 @@ from fmpy.validation import validate_fmu
 
 from stickslip import cosim
 from stickslip.fmi import toolchain
-from tests.cosim.single import members, one, repacked
+from tests.cosim.single import joined, members, one, repacked
 
 STEP, STOP = 0.01, 1.0
 ARM = toolchain.PLATFORMS["aarch64-linux"]
@@ -16,14 +16,13 @@ ARM = toolchain.PLATFORMS["aarch64-linux"]
 @pytest.fixture
 def loop(make):
     """A controller and an integrator of both versions of FMI, with a unit converted between."""
-    system = cosim.System("a loop")
-    system.add("plant", make("integrator", 3), {"k": 0.0})
-    system.add("feedback", make("gain", 2, y="mN"), {"k": -3.0})
-    system.add("limit", make("gain", 3), {"n": 4})
-    system.connect("plant.y", "feedback.u")
-    system.connect("feedback.y", "limit.u")
-    system.expose("disturbance", "plant.u")
-    return system
+    parts = {
+        "plant": (make("integrator", 3), {"k": 0.0}),
+        "feedback": (make("gain", 2, y="mN"), {"k": -3.0}),
+        "limit": (make("gain", 3), {"n": 4}),
+    }
+    wires = "plant.y feedback.u", "feedback.y limit.u"
+    return joined(parts, *wires, name="a loop", disturbance="plant.u")
 
 
 @pytest.fixture
@@ -97,10 +96,8 @@ def test_nothing_is_found_by_validation_and_two_builds_are_the_same(loop, versio
 
 def test_lies_in_a_system_twice_and_in_itself(loop, tmp_path):
     inner = cosim.write_fmu(loop, tmp_path / "inner.fmu", step=STEP, fmi=2)
-    outer = cosim.System("outer")
-    for name in ("one", "two"):
-        outer.add(name, inner)
-        outer.expose(name, f"{name}.disturbance")
+    targets = {name: f"{name}.disturbance" for name in ("one", "two")}
+    outer = joined(dict.fromkeys(targets, inner), **targets)
     ours = {value: alone(loop, disturbance=value)["limit.y"] for value in (1.0, 2.0)}
     both = alone(outer, one=1.0, two=2.0)
     np.testing.assert_array_equal(both["one.limit.y"], ours[1.0])
@@ -139,11 +136,8 @@ def test_says_which_component_failed(packed, values, message):
 
 def test_takes_any_communication_step(make, tmp_path):
     """y' = -3 y with inputs of the step before, by the steps into which each is divided."""
-    system = cosim.System("decay")
-    system.add("plant", make("integrator", 3), {"k": 1.0})
-    system.add("feedback", make("gain", 2), {"k": -3.0})
-    system.connect("plant.y", "feedback.u")
-    system.connect("feedback.y", "plant.u")
+    parts = {"plant": (make("integrator", 3), {"k": 1.0}), "feedback": (make("gain"), {"k": -3.0})}
+    system = joined(parts, "plant.y feedback.u", "feedback.y plant.u")
     path = cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP, coupling="jacobi")
     for ratio, parts in ((0.3, [0.3]), (2.7, [1.0, 1.0, 0.7]), (3.0, [1.0, 1.0, 1.0])):
         found = one(path).prepare(step=ratio * STEP, stop=11 * ratio * STEP).run()["a.plant.y"]
@@ -181,11 +175,8 @@ def test_refuses_a_description_of_another_build(packed, tmp_path):
 
 
 def test_a_container_has_no_algebraic_loop(make, tmp_path):
-    system = cosim.System("circle")
-    for name in "ab":
-        system.add(name, make("gain", 2), {"k": 0.5})
-    system.connect("a.y", "b.u")
-    system.connect("b.y", "a.u")
+    gains = dict.fromkeys("ab", (make("gain"), {"k": 0.5}))
+    system = joined(gains, "a.y b.u", "b.y a.u", name="circle")
     with pytest.raises(cosim.ConnectionFault, match=r"circle: algebraic loop a\.y -> b\.u -> b\.y"):
         cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP, coupling="jacobi")
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
+from tests.cosim.single import joined
 
 STEP, STOP = 1e-3, 20.0
 forks = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
@@ -18,16 +19,11 @@ silent = pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
 
 @pytest.fixture
 def system(make):
-    system = cosim.System("shared")
-    system.add("a", make("integrator", 2))
-    system.add("b", make("gain", 3))
-    system.connect("a.y", "b.u")
-    system.expose("u", "a.u")
-    return system
+    parts = {"a": make("integrator", 2), "b": make("gain", 3)}
+    return joined(parts, "a.y b.u", name="shared", u="a.u")
 
 
-@pytest.mark.parametrize("isolation", [None, "process"])
-@pytest.mark.parametrize("n", [2, 4])
+@pytest.mark.parametrize(("isolation", "n"), [(None, 4), ("process", 2)])
 def test_threads_get_their_own_result_or_one_line(system, isolation, n):
     gate = threading.Barrier(n)
     with system.prepare(step=STEP, stop=STOP, isolation=isolation) as simulation:

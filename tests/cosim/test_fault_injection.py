@@ -1,6 +1,7 @@
 """Every status at every call: what docs/statuses.md says, and the next run as if nothing was."""
 
 import ctypes
+import functools
 import logging
 
 import numpy as np
@@ -54,9 +55,7 @@ class Rig:
     def __init__(self, path, version, kind):
         self.kind = kind
         fmu = faults.write(path, faults.ARMED_ELSEWHERE, version, self._of_fmu)
-        self.system = cosim.System("rig")
-        self.system.add("a", fmu, {"k": 2.0})
-        self.system.expose("u", "a.u")
+        self.system = one(fmu, {"k": 2.0}, "u")
         if kind == "adaptive":  # the step follows what is connected
             self.system.add("b", faults.write(path.with_name("b.fmu"), "none 1 0", version))
             self.system.connect("a.y", "b.u")
@@ -82,15 +81,8 @@ class Rig:
 
 @pytest.fixture(scope="module")
 def rigs(tmp_path_factory):
-    folder, made = tmp_path_factory.mktemp("faults"), {}
-
-    def rig(version, kind):
-        if (version, kind) not in made:
-            path = folder / f"{kind}{version}.fmu"
-            made[version, kind] = Rig(path, version, kind)
-        return made[version, kind]
-
-    return rig
+    folder = tmp_path_factory.mktemp("faults")
+    return functools.cache(lambda n, kind: Rig(folder / f"{kind}{n}.fmu", n, kind))
 
 
 def drive(simulation):
@@ -153,25 +145,6 @@ def test_every_status(rigs, version, kind, function, caplog, monkeypatch):
         assert abused == 0
         assert alive == (status == FATAL)
         assert states == 0 or status == FATAL
-
-
-@pytest.mark.parametrize(
-    ("version", "kind"), sorted({(version, kind) for version, kind, _ in CASES})
-)
-def test_a_reset_that_does_nothing(rigs, version, kind, caplog, monkeypatch):
-    monkeypatch.setattr(resets, "lines", {})
-    rig = rigs(version, kind)
-    rig.arm("Keep 0 0")
-    before = rig.counts()
-    with rig.prepare() as simulation:
-        expected = drive(simulation)
-        for _ in range(3):
-            np.testing.assert_array_equal(drive(simulation), expected)
-    rig.arm()
-    (record,) = caplog.records
-    assert record.message.startswith("a (")
-    assert "cannot be used again after a reset: a.y is " in record.message
-    np.testing.assert_array_equal(rig.counts(), before)
 
 
 @pytest.mark.parametrize(("step", "longest", "parts"), [(0.1, 30, 4), (1.0, 1, 1024)])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from tests.cosim.single import one
+from tests.cosim.single import joined, one
 
 STEP, STOP = 0.1, 2.0
 SYSTEM = {"step": STEP, "stop": STOP}
@@ -30,12 +30,8 @@ def integrator(state=1.0):
 
 def decay():
     """Return x' = -2 x."""
-    system = cosim.System("decay")
-    system.add("plant", integrator())
-    system.add("gain", cosim.Function(minus_twice, {"u": "m"}, {"y": "m/s"}))
-    system.connect("plant.y", "gain.u")
-    system.connect("gain.y", "plant.u")
-    return system
+    gain = cosim.Function(minus_twice, {"u": "m"}, {"y": "m/s"})
+    return joined({"plant": integrator(), "gain": gain}, "plant.y gain.u", "gain.y plant.u")
 
 
 @pytest.mark.parametrize("compiled", [False, True])
@@ -56,11 +52,8 @@ def test_a_function_beside_an_fmu(make, version):
         cosim.Fmu(make("gain", version)),
         cosim.Function(lambda t, u: {"y": u["u"]}, {"u": "N"}, {"y": "N"}),
     ):
-        system = cosim.System("mixed")
-        system.add("gain", gain)
-        system.add("plant", make("integrator", version))
+        system = joined({"gain": gain, "plant": make("integrator", version)}, F="gain.u")
         system.connect("gain.y", "plant.u", cosim.Link(cosim.Scaling(0.5)))
-        system.expose("F", "gain.u")
         with system.prepare(**SYSTEM, record=["F", "gain.u", "gain.y", "plant.y"]) as simulation:
             simulation.run(inputs={"F": 3.0})
             found.append(simulation.run(inputs={"F": np.sin}).frame())
@@ -88,23 +81,16 @@ def test_a_run_goes_on_from_its_saved_state(tmp_path):
         (lambda t, u: {"z": 1.0}, r"returned the outputs \['z'\], expected \['y'\]"),
         (lambda t, u: "much", "could not convert .*during initialisation"),
         (lambda t, u: np.inf if t else 0.0, "f.y: .*not finite"),
+        (lambda t, h, x, u: (np.ones(2), 0.0), r"new state has shape \(2,\), expected \(\)"),
     ],
-    ids=["raises", "other outputs", "no number", "infinite"],
+    ids=["raises", "other outputs", "no number", "infinite", "another state"],
 )
 def test_a_function_that_fails_ends_the_run(step, message):
-    system = one(cosim.Function(step, {}, {"y": None}), name="f")
+    state = () if step.__code__.co_argcount == 2 else (1.0,)
+    system = one(cosim.Function(step, {}, {"y": None}, *state), name="f")
     with (
         system.prepare(**SYSTEM) as simulation,
         pytest.raises(cosim.SimulationError, match=message),
-    ):
-        simulation.run()
-
-
-def test_a_state_keeps_its_shape():
-    system = one(cosim.Function(lambda t, h, x, u: (np.ones(2), 0.0), {}, {"y": None}, 1.0))
-    with (
-        system.prepare(**SYSTEM) as simulation,
-        pytest.raises(cosim.SimulationError, match=r"new state has shape \(2,\), expected \(\)"),
     ):
         simulation.run()
 
@@ -140,9 +126,7 @@ def test_names_are_checked(inputs, outputs):
 
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs POSIX timers")
 def test_an_interrupt_ends_a_run_within_about_a_second(make):
-    system = cosim.System()
-    for i in range(200):
-        system.add(f"x{i}", make("integrator"), {"u": 1.0})
+    system = joined({f"x{i}": (make("integrator"), {"u": 1.0}) for i in range(200)})
 
     def interrupt(*_):
         raise KeyboardInterrupt

@@ -8,33 +8,26 @@ import pytest
 
 from stickslip import cosim
 from tests.corpus.hostile import faults
+from tests.cosim.single import joined
 
 pytestmark = pytest.mark.slow
 
-FOREIGN = ["(void*)1", "NULL"]
-ENVIRONMENTS = [*FOREIGN, "m->environment", "m", "(void*)-8", "(char*)m->environment+1"]
-
-
-@pytest.fixture(params=ENVIRONMENTS)
-def environment(request):
-    return request.param
-
-
+FOREIGN = 1  # the address 1, see faults.c
 SAID = re.compile("the FMU says: (call [0-9]+|it) broke")  # see faults.c
 
 
-def pair(folder, plan, version, kind, environment):
+def pair(folder, plan, version, kind, first="none 1 0"):
     """Return a system of two: the first never fails, the second as planned."""
-    system = cosim.System("two")
-    for name, its_plan in {"sound": "none 1 0", "broken": plan}.items():
-        path = folder / f"{name}.fmu"
-        system.add(name, faults.write(path, its_plan, version, kind, environment))
-    return system
+    plans = {"sound": first, "broken": plan}
+    fmus = {n: faults.write(folder / f"{n}.fmu", p, version, kind) for n, p in plans.items()}
+    return joined(fmus)
 
 
-@pytest.mark.parametrize(("kind", "compiled"), [("plain", True), ("typed", False)])
-def test_the_message_of_a_step_that_fails(tmp_path, version, kind, environment, compiled):
-    system = pair(tmp_path, "DoStep 0 3", version, kind, environment)
+@pytest.mark.parametrize("environment", range(6))
+@pytest.mark.parametrize("kind", ["plain", "typed"])
+def test_the_message_of_a_step_that_fails(tmp_path, version, kind, environment):
+    compiled = (version, kind) == (3, "plain")
+    system = pair(tmp_path, f"DoStep 0 3 {environment}", version, kind)
     with (
         system.prepare(step=0.1, stop=1.0, compiled=compiled) as simulation,
         pytest.raises(cosim.SimulationError) as error,
@@ -46,13 +39,10 @@ def test_the_message_of_a_step_that_fails(tmp_path, version, kind, environment, 
 
 def test_a_message_does_not_pass_to_another_component_later(tmp_path, version):
     """The first answers OK after it has logged an error; the second fails later, saying nothing."""
-    system = cosim.System("two")
-    for name, plan in {"loud": "Say 2 3", "silent": "Silent 6 3"}.items():
-        path = tmp_path / f"{name}.fmu"
-        system.add(name, faults.write(path, plan, version, "plain", "(void*)1"))
+    system = pair(tmp_path, f"Silent 6 3 {FOREIGN}", version, "plain", f"Say 2 3 {FOREIGN}")
     with (
         system.prepare(step=0.1, stop=1.0) as simulation,
-        pytest.raises(cosim.SimulationError, match=r"^silent: \w+DoStep returned error") as error,
+        pytest.raises(cosim.SimulationError, match=r"^broken: \w+DoStep returned error") as error,
     ):
         simulation.run()
     assert "the FMU says" not in str(error.value)
@@ -61,8 +51,8 @@ def test_a_message_does_not_pass_to_another_component_later(tmp_path, version):
 @pytest.mark.parametrize("call", ["DoStep", "SetReal", "Terminate"])
 def test_in_a_container(tmp_path, call):
     """It passes on what its component says, to a tool that is not ours."""
-    plan = f"{call} {1 if call == 'Terminate' else 4} 3"
-    system = pair(tmp_path, plan, 2, "plain", "(void*)1")
+    plan = f"{call} {1 if call == 'Terminate' else 4} 3 {FOREIGN}"
+    system = pair(tmp_path, plan, 2, "plain")
     system.expose("u", "broken.u")
     path = cosim.write_fmu(system, tmp_path / "a.fmu", step=0.1)
     script = (

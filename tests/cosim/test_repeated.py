@@ -1,5 +1,7 @@
 """Each run of a prepared simulation is that of a new simulation, whatever a reset does."""
 
+import functools
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -8,23 +10,24 @@ import pytest
 from stickslip import cosim
 from stickslip.cosim.run import resets
 from tests.corpus import fmu
+from tests.cosim.single import joined, one
 
 pytestmark = pytest.mark.slow
 
 STEP, STOP = 0.05, 0.5  # 10 steps; see unreset.c
-SOUND = "*m = fresh();"
+SOUND, MISSING = ".", "?"
 RESETS = {
-    "does nothing": "",
-    "keeps what cannot be seen": "*m = fresh(); m->z = old.z;",
-    "keeps its time": "*m = fresh(); m->time = old.time;",
-    "keeps what shows late": "*m = fresh(); m->steps = old.steps / 5;",
-    "loses the start values of parameters": "*m = fresh(); m->k = 0.0;",
-    "loses the start values of inputs": "*m = fresh(); m->u = 0.0;",
-    "keeps parameters": "*m = fresh(); m->k = old.k;",
-    "returns an error": "return 3;",
-    "returns discard": "return 2;",
-    "returns fatal": "return 4;",
-    "does not exist": "missing",
+    "does nothing": "-",
+    "keeps what cannot be seen": "z",
+    "keeps its time": "t",
+    "keeps what shows late": "n",
+    "loses the start values of parameters": "K",
+    "loses the start values of inputs": "U",
+    "keeps parameters": "k",
+    "returns an error": "3",
+    "returns discard": "2",
+    "returns fatal": "4",
+    "does not exist": MISSING,
 }
 RUNS = [{"a.k": 2.0}, {"a.k": 2.0}, {"a.k": 5.0}, {}, {"a.k": 2.0}]
 
@@ -38,41 +41,30 @@ def nothing_known(monkeypatch):
 
 @pytest.fixture(scope="module")
 def write(tmp_path_factory):
-    """Write the FMU of unreset.c: ``write("a", 2, "*m = fresh();")``."""
-    folder, made = tmp_path_factory.mktemp("unreset"), {}
+    """Write the FMU of unreset.c: ``write("a", 2, "z")``, whose reset keeps z."""
+    folder = tmp_path_factory.mktemp("unreset")
 
-    def write(name, version, reset, noise=0.0, flags=""):
-        key = (name, version, reset, noise, flags)
-        if key in made:
-            return made[key]
-        options = ["-DRESTART=" + reset.replace("missing", ""), f"-DNOISE={noise}"]
-        options += ["-DWITHOUT_RESET", "-Wno-unused-function"] if reset == "missing" else []
-        binary = fmu.library(
-            "unreset", Path(__file__).with_name("unreset.c"), flags=options, complete=False
-        ).read_bytes()
-        description = fmu.describe(
-            "unreset",
-            version,
-            [
-                fmu.Variable("u", "input", 1),
-                fmu.Variable("y", "output", depends=()),
-                fmu.Variable("k", "parameter", 0.1, variability="tunable"),
-            ],
-            {"CoSimulation": f'{flags} canHandleVariableCommunicationStepSize="true"'},
-        )
-        path = folder / str(len(made)) / f"{name}.fmu"
-        made[key] = fmu.pack(path, description, {fmu.place("unreset", version): binary})
-        return path
+    @functools.cache
+    def write(name, version, plan, flags=""):
+        options = ["-DWITHOUT_RESET", "-Wno-unused-function"] if plan == MISSING else []
+        source = Path(__file__).with_name("unreset.c")
+        binary = fmu.library("unreset", source, flags=options, complete=False).read_bytes()
+        variables = [
+            fmu.Variable("u", "input", 1),
+            fmu.Variable("y", "output", depends=()),
+            fmu.Variable("k", "parameter", 0.1, variability="tunable"),
+        ]
+        interface = f'{flags} canHandleVariableCommunicationStepSize="true"'
+        kinds = {"CoSimulation": interface}
+        description = fmu.describe("unreset", version, variables, kinds, token=plan)
+        path = Path(tempfile.mkdtemp(dir=folder)) / f"{name}.fmu"
+        return fmu.pack(path, description, {fmu.place("unreset", version): binary})
 
     return write
 
 
 def alone(fmu, *, exposed=True):
-    system = cosim.System("alone")
-    system.add("a", fmu)
-    if exposed:
-        system.expose("u", "a.u")
-    return system
+    return one(fmu, u="u" if exposed else "")
 
 
 def fresh(system, parameters=None, inputs=None, tunable=None, **options):
@@ -112,7 +104,7 @@ def test_every_run_is_that_of_a_new_simulation(write, version, what, isolation, 
 
 def test_a_sound_reset_is_used(write, version, caplog):
     """Instances are told by the noise: each has another."""
-    system = alone(write("a", version, "const double k = m->k; *m = fresh(); m->k = k;", 1.0))
+    system = alone(write("a", version, "ki"))
     with system.prepare(step=STEP, stop=STOP) as simulation:
         results = [simulation.run({"a.k": 1.0}).values for _ in range(20)]
     for values in results:
@@ -124,12 +116,9 @@ def test_a_sound_reset_is_used(write, version, caplog):
 
 @pytest.mark.parametrize("first", ["a", "b"])
 def test_who_is_named_in_a_loop(write, version, first, caplog):
-    system = cosim.System("loop")
-    broken = write("broken", version, RESETS["keeps its time"])
-    system.add("a", broken if first == "a" else write("b", version, SOUND))
-    system.add("b", write("b", version, SOUND) if first == "a" else broken)
-    system.connect("a.y", "b.u")
-    system.connect("b.y", "a.u")
+    parts = dict.fromkeys("ab", write("b", version, SOUND))
+    parts[first] = write("broken", version, RESETS["keeps its time"])
+    system = joined(parts, "a.y b.u", "b.y a.u")
     for coupling in ("jacobi", "gauss_seidel"):
         expected = fresh(system, {"a.k": 1.0}, coupling=coupling)
         with system.prepare(step=STEP, stop=STOP, coupling=coupling) as simulation:
@@ -141,7 +130,7 @@ def test_who_is_named_in_a_loop(write, version, first, caplog):
 
 def test_a_first_run_at_rest_proves_nothing(write, version, caplog):
     """Without input and start value nothing happens that a reset could undo."""
-    system = alone(write("a", version, "*m = fresh(); m->z = old.z; m->x = old.x;"))
+    system = alone(write("a", version, "xz"))
     rest, moves = {"u": 0.0}, {"u": 2.0}
     parameters = {"a.k": 1.0}
     short = {"step": STEP, "stop": 0.3}
@@ -167,7 +156,7 @@ def test_parameters_that_changed_in_a_run(write, version, caplog):
 
 
 def test_after_a_run_that_was_halted(write, version):
-    system = alone(write("a", version, "*m = fresh(); m->time = old.time < 0.4 ? old.time : 0;"))
+    system = alone(write("a", version, "h"))
     expected = fresh(system)
     with system.prepare(step=STEP, stop=STOP) as simulation:
         for until in (None, None, 0.3, None, 0.3, None):
@@ -177,7 +166,7 @@ def test_after_a_run_that_was_halted(write, version):
 
 
 def test_an_fmu_that_is_not_deterministic_is_not_blamed_for_its_reset(write, version, caplog):
-    system = alone(write("a", version, "instances++; *m = fresh();", noise=1.0))
+    system = alone(write("a", version, "+i"))
     with system.prepare(step=STEP, stop=STOP) as simulation:
         for _ in range(5):
             simulation.run()
@@ -190,7 +179,7 @@ def test_an_fmu_that_is_not_deterministic_is_not_blamed_for_its_reset(write, ver
 @pytest.mark.parametrize(("version", "isolation"), [(2, None), (3, "process")])
 def test_static_variables_are_told(write, version, isolation, caplog):
     """From the second instance on all are alike, and unlike the first."""
-    system = alone(write("a", version, SOUND, noise="(instances > 1)"))
+    system = alone(write("a", version, "s"))
     with system.prepare(step=STEP, stop=STOP, isolation=isolation) as simulation:
         for _ in range(4):
             simulation.run()
@@ -218,7 +207,7 @@ def test_one_instance_per_process(write, version, caplog):
 
 @pytest.mark.parametrize("version", [3])
 def test_a_crash_on_reset_costs_no_run(write, version, caplog):
-    system = alone(write("a", version, "*(volatile int *)8 = 1;"))
+    system = alone(write("a", version, "!"))
     expected = fresh(system)
     with system.prepare(step=STEP, stop=STOP, isolation="process") as simulation:
         for _ in range(4):
@@ -227,11 +216,10 @@ def test_a_crash_on_reset_costs_no_run(write, version, caplog):
     assert f"fmi{version}Reset died of SIGSEGV" in line
 
 
-@pytest.mark.parametrize(("version", "reset"), [(2, SOUND), (3, "*(volatile int *)8 = 1;")])
-def test_what_crashes_a_used_process_has_a_new_one_for_each_run(write, version, reset):
+@pytest.mark.parametrize(("version", "plan"), [(2, "c"), (3, "!c")])
+def test_what_crashes_a_used_process_has_a_new_one_for_each_run(write, version, plan):
     """No second instance can be made, and perhaps the first cannot be reset."""
-    crash = "(instances > 1 ? *(volatile int *)8 : 0)"
-    system = alone(write("a", version, reset, noise=crash))
+    system = alone(write("a", version, plan))
     expected = fresh(system)
     for _ in range(2):
         with system.prepare(step=STEP, stop=STOP, isolation="process") as simulation:

@@ -10,6 +10,7 @@ import pint_pandas  # noqa: F401 - it defines the types of columns
 import pytest
 
 from stickslip import cosim
+from tests.cosim.single import joined, one
 
 T = np.linspace(0.0, 10.0, 10_001)
 GRID = np.arange(5) * 0.5  # of the simulation
@@ -38,9 +39,7 @@ def test_trapezoid_goes_there_and_back():
 
 @pytest.fixture
 def simulation(make):
-    system = cosim.System("loop")
-    system.add("a", make("gain"))
-    system.expose("force", "a.u")
+    system = joined({"a": make("gain")}, force="a.u")
     with system.prepare(step=0.5, stop=2.0) as simulation:
         yield simulation
 
@@ -174,10 +173,8 @@ def test_without_pyarrow_the_message_says_how_to_get_it(tmp_path, monkeypatch):
 
 def test_results_in_parquet_keep_every_bit_and_the_units(make, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
-    system = cosim.System("one")
-    system.add("a", make("gain"))
-    system.expose("x", "a.u")
-    result = system.prepare(step=0.1, stop=1.0).run(inputs={"x": np.sin})
+    system = one(make("gain"), u="u")
+    result = system.prepare(step=0.1, stop=1.0).run(inputs={"u": np.sin})
     path = result.to_parquet(tmp_path / "out.parquet")
     schema = parquet.read_schema(path)
     assert schema.field("a.y").metadata == {b"unit": b"N"}

@@ -1,6 +1,5 @@
 """Packages as other tools write them: nested, mapped, with dictionaries and variants."""
 
-import zipfile
 from functools import partial
 
 import pytest
@@ -8,6 +7,7 @@ from fmpy.ssp.ssd import read_ssd
 
 from stickslip import cosim
 from stickslip.cosim.system.scaling import Link, Scaling
+from tests.corpus.fmu import archive
 from tests.corpus.hostile.packages import (
     STRUCTURE,
     binding,
@@ -48,18 +48,12 @@ def bind(*pairs):
 
 @pytest.fixture
 def pack(make, tmp_path):
-    """Write a package of given text members, with gains in N, mN and m, and of FMI 3.0."""
+    """Write a package of given text members, with gains in N and mN, and of FMI 3.0."""
 
     def pack(members):
-        path = tmp_path / "packed.ssp"
-        fmus = {"gain": make("gain"), "gain3": make("gain", 3)}
-        fmus |= {"milli": make("gain", u="mN"), "metres": make("gain", u="m", y="m")}
-        with zipfile.ZipFile(path, "w") as archive:
-            for member, text in members.items():
-                archive.writestr(member, text)
-            for name, fmu in fmus.items():
-                archive.write(fmu, f"resources/{name}.fmu")
-        return path
+        fmus = {"gain": make("gain"), "gain3": make("gain", 3), "milli": make("gain", u="mN")}
+        packed = {f"resources/{name}.fmu": fmu.read_bytes() for name, fmu in fmus.items()}
+        return archive(tmp_path / "packed.ssp", members | packed)
 
     return pack
 

@@ -8,7 +8,7 @@ import pytest
 from stickslip import cosim
 from stickslip.cosim.run.checkpoint import Checkpoint
 from tests.corpus.defects import reference
-from tests.cosim.single import one, repacked
+from tests.cosim.single import joined, one, repacked
 
 STEP, N = 0.01, 40
 STOP = N * STEP
@@ -17,14 +17,9 @@ STOP = N * STEP
 @pytest.fixture
 def system(make):
     """Return a ring of a gain and two integrators of both versions, with one input."""
-    system = cosim.System("ring")
-    system.add("gain", make("gain", 2), {"k": -2.0})
-    system.add("speed", make("integrator", 3))
-    system.add("place", make("integrator", 2))
-    system.connect("speed.y", "place.u")
-    system.connect("place.y", "gain.u")
-    system.expose("u", "speed.u")
-    return system
+    parts = {"gain": (make("gain", 2), {"k": -2.0})}
+    parts |= {"speed": make("integrator", 3), "place": make("integrator", 2)}
+    return joined(parts, "speed.y place.u", "place.y gain.u", name="ring", u="speed.u")
 
 
 def courses():

@@ -4,6 +4,7 @@ import ctypes
 import random
 import re
 import struct
+import sys
 import time
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from stickslip.fmucheck.description.model import Description
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import Callbacks
 from tests.corpus.defects.reference import binary_name, members, pack, with_defect
+from tests.corpus.hostile import fmus
 from tests.cosim.single import members as unzipped
 
 
@@ -149,6 +151,34 @@ def test_findings_of_one_cause_are_one(tmp_path):
     found = [f for f in fmucheck.check(path, run=False) if f.rule == "undefined-unit"]
     assert 1 < sum(f.count for f in found) == len(found) + sum(len(f.others) for f in found)
     assert len({f.cause for f in found}) == len(found)
+
+
+BROKEN = {"cut": 2, "of this machine": 1, "text": None}
+"""Ways in which binaries for other platforms are wrong; what part of a library they are."""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="hostile.c is for POSIX")
+@pytest.mark.parametrize("version", [2, 3])
+def test_broken_binaries_elsewhere_do_not_stop_the_run_here(tmp_path, version):
+    """A fault that only a run shows is found, with each other platform broken in another way."""
+
+    def rules(binaries):
+        path = tmp_path / "hostile.fmu"
+        return check(fmus.write(path, "DoStep fail", version=version, binaries=binaries)).rules
+
+    code, here = fmus.library(), fmus.place(version)
+    alone = rules({here: code})
+    assert "call-fails" in alone
+    folders = ("win64", "win32", "darwin64") if version == 2 else toolchain.PLATFORMS
+    others = [folder for folder in folders if f"/{folder}/" not in here]
+    found = {here: code}
+    for folder, part in zip(others, BROKEN.values(), strict=False):
+        suffix = ".dylib" if "darwin" in folder else ".dll" if "win" in folder else ".so"
+        content = code[: len(code) // part] if part else b"this is no library\n"
+        found[f"binaries/{folder}/hostile{suffix}"] = content
+    assert rules(found) - alone >= {"not-a-library"}
+    assert alone <= rules(found)
 
 
 USUAL = ("stage", "compensator", "drive+gms", "dob", "velocity_controller", "lugre_network")

@@ -132,18 +132,6 @@ def test_it_finds_the_bottom_where_part_of_the_range_fails(algorithm):
     np.testing.assert_allclose(found.values, np.minimum(TARGET, [2, np.inf, np.inf]), rtol=1e-2)
 
 
-@pytest.mark.parametrize(
-    ("name", "genes", "message"),
-    [
-        ("magic", GENES, "no algorithm 'magic'; expected one of default, paper, cma"),
-        ("cma", GENES[:1], "two genes or more"),
-    ],
-)
-def test_what_cannot_be_is_named(name, genes, message):
-    with pytest.raises(ga.SettingsError, match=message):
-        ga.optimiser(name, ga.Problem(genes))
-
-
 SHORT = replace(ga.DEFAULT, generations=12)
 
 

@@ -60,12 +60,6 @@ def test_a_collapsed_population_is_at_rest():
     assert optimiser.evaluations < 1000
 
 
-@pytest.mark.parametrize("field", ["generations", "evaluations", "patience", "target"])
-def test_a_limit_out_of_range_is_named(field):
-    with pytest.raises(ga.SettingsError, match=f"{field} must be above 0, or None, got -1"):
-        ga.Limits(**{field: -1})
-
-
 def optimiser(settings=ga.PRESETS["default"], **limits):
     return ga.GeneticAlgorithm(GENES, settings, limits=ga.Limits(**limits))
 

@@ -11,6 +11,6 @@ from tests.corpus.hostile import faults, fmus
 def compiled():
     kernel.load()
     kernel.built(marked=True)
-    faults.library("m->environment")  # the argument that the cases give
+    faults.library()
     fmus.library()
     reference.library()

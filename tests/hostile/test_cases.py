@@ -1,14 +1,18 @@
-"""Each hostile input ends in one line that states the fault; nothing stays behind."""
+"""Each hostile input ends in one line that states the fault; campaigns/fuzz.py hunts for more."""
 
+import logging
 import re
+import subprocess
+import sys
 import tempfile
 import warnings
 from pathlib import Path
 
 import pytest
 
+from campaigns.fuzz import PARSERS, run
 from stickslip.cli import main
-from tests.corpus.hostile import CASES, GROUPS, Case, descriptions, python, xml
+from tests.corpus.hostile import CASES, GROUPS, Case, descriptions, fmus, python, xml
 
 
 def litter(*folders: Path) -> set[Path]:
@@ -71,3 +75,35 @@ def test_what_no_run_needs_is_a_warning(case: Case, tmp_path, monkeypatch, capfd
     assert len(set(said)) == len(said)  # once each
     assert main(["info", *arguments[1:]]) == 0
     assert re.search(case.says, capfd.readouterr().out)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="closes file descriptors")
+@pytest.mark.parametrize("how", ["--isolate", "--no-isolate"])
+def test_closed_standard_streams_change_nothing(tmp_path, how):
+    path, out = fmus.write(tmp_path / "prints.fmu", "DoStep scribble_standard"), tmp_path / "o.csv"
+    command = f"{sys.executable} -m stickslip simulate {path} {how} --out {out} 0<&- 1>&- 2>&-"
+    done = subprocess.run(command, shell=True, capture_output=True, text=True)  # noqa: S602
+    assert done.returncode == 0, done.stderr
+    assert out.read_text().startswith("time,u,hostile.y\n")
+    assert "Traceback" not in done.stderr
+
+
+N = {"mat": 20, "ssp": 50}  # each starts a process, or unpacks two FMUs
+TEXTS = ("description", "csv", "config", "learned", "checkpoint")
+N |= dict.fromkeys((*TEXTS, "library", "state"), 500)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PARSERS)
+def test_mutated_inputs_are_taken_or_refused(name, tmp_path, caplog):
+    caplog.set_level(logging.CRITICAL)
+    parser = PARSERS[name]
+    for data in parser.sound():  # else all that is made of it would be refused for one reason
+        file = tmp_path / parser.file
+        file.write_bytes(data)
+        parser.read(file)
+    tally = run(parser, 0, range(N.get(name, 100)))
+    assert not tally.unexpected
+    assert tally.accepted > 0
+    assert tally.refused > 0

@@ -2,6 +2,7 @@
 
 import ctypes
 import functools
+import itertools
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -10,9 +11,7 @@ import pytest
 
 from stickslip import cosim, models
 from stickslip.fmi import toolchain
-from stickslip.models.export.sources import shared_files, variables_header
 from tests.cosim.single import exposed
-from tests.models.contacts import TABLE_2
 
 MODELS = Path(models.__file__).parent
 
@@ -109,12 +108,9 @@ def push(with_law: Callable[[str, str], Path]) -> Callable[..., dict[str, np.nda
 
 @pytest.fixture(scope="session")
 def library() -> ctypes.CDLL:
-    """Compile the shared C of models/ with ``probe.c``, which exports it."""
-    model = models.load_model("stage")
-    files = {path.relative_to(MODELS).as_posix(): path.read_text() for path in shared_files(model)}
-    files["variables.h"] = variables_header(model)
-    # The probe takes the step apart, so it includes this file instead of linking it.
-    files["laws/lugre/motion.inc"] = files.pop("laws/lugre/motion.c")
+    """Compile the numerics of models/ with ``probe.c``, which exports them."""
+    paths = (MODELS / "numerics").glob("elementary.*"), (MODELS / "numerics").glob("noise.*")
+    files = {f"numerics/{path.name}": path.read_text() for path in itertools.chain(*paths)}
     files["probe.c"] = Path(__file__).with_name("probe.c").read_text()
     return ctypes.CDLL(str(toolchain.shared_library("probe", files, flags=["-lm"])))
 
@@ -134,45 +130,3 @@ def c(library: ctypes.CDLL) -> Callable[..., np.ndarray]:
 
 def _of(array: np.ndarray) -> ctypes.c_void_p:
     return array.ctypes.data_as(ctypes.c_void_p)
-
-
-def _contact(p: Mapping[str, float]) -> ctypes.Array[ctypes.c_double]:
-    names = ("F_s", "F_c", "v_s", "sigma_0", "sigma_1", "delta")
-    return (ctypes.c_double * 6)(*({"delta": 1.0, **p}[name] for name in names))
-
-
-@pytest.fixture(scope="session")
-def mass_run(library: ctypes.CDLL) -> Callable[..., np.ndarray]:
-    """Move a mass on a contact under a held force.
-
-    ``mass_run(method, h, u, pieces, m, b, contact, start)`` returns x, v, z after each hold of h
-    seconds, (len(u), 3). Methods: ``adaptive``, the step of models/; ``rodas3``, the same with
-    ``pieces`` equal sub-steps; ``rk4``, written for the tests alone, likewise.
-    """
-
-    def run(
-        method: str,
-        h: float,
-        u: np.ndarray,
-        pieces: int = 1,
-        m: float = 5.557,
-        b: float = 6.6135,
-        contact: Mapping[str, float] = TABLE_2,
-        start: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    ) -> np.ndarray:
-        u = np.ascontiguousarray(u, dtype=float)
-        motion = np.empty((len(u), 3))
-        library.probe_run(
-            ["adaptive", "rodas3", "rk4"].index(method),
-            pieces,
-            ctypes.c_double(h),
-            ctypes.c_size_t(len(u)),
-            _of(u),
-            (ctypes.c_double * 2)(m, b),
-            _contact(contact),
-            (ctypes.c_double * 3)(*start),
-            _of(motion),
-        )
-        return motion
-
-    return run

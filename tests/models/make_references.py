@@ -67,22 +67,41 @@ def bristle_rate(v: np.ndarray, z: np.ndarray, p: Parameters) -> np.ndarray:
     return v - p["sigma_0"] * abs(v) / stribeck(v, p) * z
 
 
+def damping(v: np.ndarray | float, p: Parameters) -> np.ndarray | float:
+    """Return the coefficient of the bristle's damping [N s/m], which may fade with the velocity."""
+    return p["sigma_1"] * (np.exp(-((v / p["v_d"]) ** 2)) if p["v_d"] else 1.0)
+
+
 def friction(v: np.ndarray, z: np.ndarray, p: Parameters) -> np.ndarray:
     """Return F_f [N], equation (3)."""
-    return p["sigma_0"] * z + p["sigma_1"] * bristle_rate(v, z, p)
+    return p["sigma_0"] * z + damping(v, p) * bristle_rate(v, z, p)
 
 
-def hold(y: np.ndarray, p: Parameters, force: Callable[[float], float]) -> np.ndarray:
-    """Return x, v, z after one step under a force [N] that is a function of the time in it [s]."""
+def hold(
+    y: np.ndarray,
+    p: Parameters,
+    force: Callable[[float, float], float],
+    rough: Callable[[float, float, float], float] = lambda *_: 1.0,
+) -> np.ndarray:
+    """Return x, v, z after one step under a force [N], a function of the time in it and the place.
+
+    The guide multiplies the steady friction by ``rough``, of time, place and velocity.
+    """
 
     def motion(t: float, y: np.ndarray) -> list[float]:
-        v, z = y[1], y[2] * Z_UNIT
-        dv = (force(t) - p["b"] * v - friction(v, z, p)) / p["m"]
-        return [v, dv, bristle_rate(v, z, p) / Z_UNIT]
+        x, v, z = y[0], y[1], y[2] * Z_UNIT
+        there = scaled(p, rough(t, x, v))
+        dv = (force(t, x) - p["b"] * v - friction(v, z, there)) / p["m"]
+        return [v, dv, bristle_rate(v, z, there) / Z_UNIT]
 
-    scaled = y / [1.0, 1.0, Z_UNIT]
-    end = solve_ivp(motion, (0.0, STEP), scaled, "Radau", rtol=1e-10, atol=1e-13).y[:, -1]
+    begin = y / [1.0, 1.0, Z_UNIT]
+    end = solve_ivp(motion, (0.0, STEP), begin, "Radau", rtol=1e-10, atol=1e-13).y[:, -1]
     return end * [1.0, 1.0, Z_UNIT]
+
+
+def scaled(p: Parameters, factor: float) -> Parameters:
+    """Return the parameters of a contact whose steady friction is so many times as large."""
+    return p if factor == 1.0 else {**p, "F_s": factor * p["F_s"], "F_c": factor * p["F_c"]}
 
 
 def stage(p: Parameters) -> Columns:
@@ -91,25 +110,47 @@ def stage(p: Parameters) -> Columns:
     u = 15.0 * np.sin(2 * np.pi * 14.0 * t) * np.where(t < 0.08, 1.0, 0.2)
     y = [np.zeros(3)]
     for force in u[:-1]:
-        y.append(hold(y[-1], p, lambda _, force=force: force))
+        y.append(hold(y[-1], p, lambda *_, force=force: force))
     x, v, z = np.transpose(y)
     return {"time": t, "u": u, "x": x, "v": v, "F_f": friction(v, z, p)}
 
 
 def drive(p: Parameters) -> Columns:
-    """Move as the stage, behind DAC and motor lag."""
+    """Move as the stage, behind DAC and motor lag, on a guide that pushes and is rough."""
     t = np.arange(201) * STEP
     u = 15.0 * np.sin(2 * np.pi * 14.0 * t)
-    target = np.clip(np.rint(u / p["dac_step"]) * p["dac_step"], -p["u_max"], p["u_max"])
+    target = np.rint(u / p["dac_step"]) * p["dac_step"] if p["dac"] else u
+    target = np.clip(target, -p["u_max"], p["u_max"])
+    lag = p["tau_i"] if p["current_loop"] else INSTANT
+
+    def rough(t: float, x: float, v: float) -> float:
+        weight = abs(p["g_s"] * np.sin(x) + p["g_c"] * np.cos(x))
+        loaded = 1.0 + (p["mu"] * abs(p["load"]) + p["mu_g"] * weight) / p["F_c"]
+        side = p["asymmetric"] * p["asymmetry"] * (-1.0 if v < 0.0 else 1.0)
+        wave = np.sin(2 * np.pi * x / p["position_period"])
+        along = p["position_dependent"] * p["position_amplitude"] * wave
+        warm = p["drift"] * (1.0 - np.exp(-t / p["drift_time"]))
+        return loaded * (1.0 + side) * (1.0 + along) * (1.0 - warm)
+
+    def push(x: float) -> float:
+        wave = p["ripple_amplitude"] * np.sin(2 * np.pi * x / p["ripple_period"])
+        return float(p["ripple"] * wave - force_of_position(p, np.array([x]))[0])
+
     y, motor = [np.zeros(3)], [0.0]
-    for force in target[:-1]:
+    for begin, force in zip(t, target[:-1], strict=False):
         lack = motor[-1] - force
-        y.append(hold(y[-1], p, lambda t, f=force, k=lack: f + k * np.exp(-t / p["tau_i"])))
-        motor.append(force + lack * np.exp(-STEP / p["tau_i"]))
+
+        def applied(s: float, x: float, force: float = force, lack: float = lack) -> float:
+            return force + lack * np.exp(-s / lag) + push(x)
+
+        y.append(hold(y[-1], p, applied, lambda s, x, v, t=begin: rough(t + s, x, v)))
+        motor.append(force + lack * np.exp(-STEP / lag))
     x, v, z = np.transpose(y)
-    x_enc = np.rint(x / p["encoder_step"]) * p["encoder_step"]
-    shown = {"x_enc": x_enc, "F_m": np.array(motor), "F_f": friction(v, z, p)}
-    return {"time": t, "u": u, **shown, "x": x, "v": v}
+    there = [scaled(p, rough(*at)) for at in zip(t, x, v, strict=True)]
+    F_f = np.array([friction(*at) for at in zip(v, z, there, strict=True)])
+    x_enc = x + p["sde"] * np.sin(2 * np.pi * x / p["sde_period"])
+    x_enc = np.rint(x_enc / p["encoder_step"]) * p["encoder_step"] if p["encoder"] else x_enc
+    return {"time": t, "u": u, "x_enc": x_enc, "F_m": np.array(motor), "F_f": F_f, "x": x, "v": v}
 
 
 def through_zero() -> tuple[np.ndarray, np.ndarray]:
@@ -119,17 +160,24 @@ def through_zero() -> tuple[np.ndarray, np.ndarray]:
 
 
 def lugre(p: Parameters, speeds: np.ndarray | None = None) -> Columns:
-    """Follow a velocity through zero, by z(t) = z_inf + (z - z_inf) e^(-a t)."""
+    """Follow a velocity through zero, by z(t) = z_inf + (z - z_inf) e^(-a t).
+
+    Of speeds that are given the lead and the viscous force are not taken again.
+    """
     t, v = through_zero() if speeds is None else (np.arange(len(speeds)) * STEP, speeds)
-    z, F_mean, F_f = 0.0, [0.0], [friction(v[0], 0.0, p)]
-    for speed in v[:-1]:
+    lead, b = (p["lead"], p["b"]) if speeds is None else (0.0, 0.0)
+    slope = np.diff(v, prepend=v[0]) / STEP
+    now = v + lead * slope
+    held = now if speeds is not None or p["hold"] else now - slope * STEP / 2
+    z, F_mean, F_f = 0.0, [0.0], [friction(v[0], 0.0, p) + b * v[0]]
+    for speed, shown in zip(held[:-1], now[:-1], strict=True):
         end = np.sign(speed) * stribeck(speed, p) / p["sigma_0"]
         y = p["sigma_0"] * abs(speed) / stribeck(speed, p) * STEP
         way = -(end - z) * np.expm1(-y)
         mean_z = end - way / y
-        F_mean.append(p["sigma_0"] * mean_z + p["sigma_1"] * way / STEP)
+        F_mean.append(p["sigma_0"] * mean_z + damping(speed, p) * way / STEP + b * speed)
         z += way
-        F_f.append(friction(speed, z, p))
+        F_f.append(friction(shown, z, p) + b * shown)
     return {"time": t, "v": v, "F_f": np.array(F_f), "F_mean": np.array(F_mean)}
 
 
@@ -537,7 +585,6 @@ def lugre_observer(p: Parameters, n: int = 401, held: tuple[float, float] | None
         last = max(k - 1, 0)
         v_k += weight * ((x_enc[k] - x_enc[last]) / STEP - v_k)
         v, correction = early[k] if p["reference"] else v_k, p["k_e"] * (v_k - v_r[last])
-        sigma_1 = p["sigma_1"] * (np.exp(-((v / p["v_d"]) ** 2)) if p["v_d"] else 1.0)
 
         def motion(_: float, y: np.ndarray, v: float = v, c: float = correction) -> list[float]:
             dz = bristle_rate(v, y[0] * Z_UNIT, p) - c
@@ -548,7 +595,7 @@ def lugre_observer(p: Parameters, n: int = 401, held: tuple[float, float] | None
         solved = solve_ivp(motion, (0.0, STEP), [z / Z_UNIT, 0.0, 0.0], "Radau", **tight).y
         z, area, damped = solved[:, -1] * Z_UNIT
         z = np.clip(z, -3 * p["F_s"] / p["sigma_0"], 3 * p["F_s"] / p["sigma_0"])
-        F.append(F_in[k] + (p["sigma_0"] * area + sigma_1 * damped) / STEP)
+        F.append(F_in[k] + (p["sigma_0"] * area + damping(v, p) * damped) / STEP)
         z_hat.append(z)
     return {"time": t, "x_enc": x_enc, "v_r": v_r, "F_in": F_in, "F": F, "z_hat": z_hat}
 

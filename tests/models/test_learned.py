@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip import cosim, models
+from stickslip import models
 from stickslip.cosim import ParameterError, SimulationError
 from tests.cosim.single import exposed
 
@@ -13,7 +13,6 @@ LEARNERS = [
     for name in models.model_names()
     if (ports := models.load_model(name).ports) and ports.learned
 ]
-EXACT = {"T_s": T, "m": 1.0, "b": 0.0, "lead": 0.0}
 
 
 @pytest.fixture(scope="module")
@@ -64,44 +63,6 @@ def test_what_is_learned_starts_the_next_run_bit_for_bit(fmus, fmus_3, name):
             assert prepared.learned() == untrained
     assert found[0] == found[1] == found[2]
     assert any(found[0][key] != untrained[key] for key in untrained)
-
-
-CASES = {
-    "lffc": ({"D": 0}, "gamma"),
-    "rbf": ({"D": 0}, "gamma"),
-    "mlp": ({"D": 0}, "gamma"),
-    "adaptive_scale": ({"tau_f": 0.0, "tau_i": 0.0, "rate": 5.0}, "rate"),
-}
-"""Parameters, and that of the rate of learning."""
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_two_runs_are_one_without_an_interruption(fmus, name):
-    """Where the rest of the state is the same: after a rest, in the other direction."""
-    own, rate = CASES[name]
-    start = {v.name: v.start for v in models.load_model(name).variables}
-    parameters = {f"c.{key}": x for key, x in {**EXACT, **own}.items() if key in start}
-    learning, switch, few = own.get(rate, start[rate]), f"c.{rate}", 6
-    n, rest = 2000, 40
-    whole = np.concatenate([motion(n), np.zeros(rest), -motion(n)])
-    begin = n + rest - 1  # of the second run: a sample of the rest
-    with simulation(fmus / f"{name}.fmu", len(whole)) as prepared:
-        given = inputs(prepared, signals(whole))
-        times = np.array([0, n - 1, begin + few]) * T
-        pause = {switch: cosim.Table(times, [learning, 0.0, learning], held=True)}
-        whole_run = prepared.run(parameters, given, tunable=pause)["c.F"][begin + few :]
-    with simulation(fmus / f"{name}.fmu", n) as prepared:
-        prepared.run(parameters, {key: x[:n] for key, x in given.items()})
-        kept = prepared.learned()
-    with simulation(fmus / f"{name}.fmu", n + 1) as prepared:
-        later = {key: x[begin:] for key, x in given.items()}
-        pause = {switch: cosim.Table([0.0, few * T], [0.0, learning], held=True)}
-        second, untrained = (
-            prepared.run({**parameters, switch: 0.0, **weights}, later, tunable=pause)["c.F"][few:]
-            for weights in (kept, {})
-        )
-    assert second.tobytes() == whole_run.tobytes()
-    assert untrained.tobytes() != whole_run.tobytes()
 
 
 def test_values_are_those_at_the_end(fmus):

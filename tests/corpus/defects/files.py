@@ -1,10 +1,8 @@
 """Defects of the other files, and of the archive itself."""
 
-import stat
 import struct
-import zipfile
-from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from tests.corpus.defects.reference import (
     HERE,
@@ -18,6 +16,7 @@ from tests.corpus.defects.reference import (
     replaced,
     with_files,
 )
+from tests.corpus.hostile.zips import DEFLATE, LINK, STORED, UTF8, Member, zipped
 
 _TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 _BUILD = "sources/buildDescription.xml"
@@ -93,42 +92,14 @@ _FILES3 = [
 ]  # fmt: skip
 
 
-def _raw(write: Callable[[bytes], bytes]) -> Writer:
-    def writer(path: Path, content: Members) -> None:
-        pack(path, content)
-        path.write_bytes(write(path.read_bytes()))
+def _with_member(name: str, data: bytes = b"x", method: int = DEFLATE, **fields: Any) -> Writer:
+    """Return a writer of a sound FMU with a further member, whose fields may lie."""
 
-    return writer
-
-
-def _with_member(name: str, data: bytes = b"x", **attributes: int) -> Writer:
     def write(path: Path, content: Members) -> None:
-        pack(path, content)
-        with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as archive:
-            info = zipfile.ZipInfo("placeholder")
-            info.filename = info.orig_filename = name
-            for key, value in attributes.items():
-                setattr(info, key, value)
-            archive.writestr(info, data, compress_type=attributes.get("compress_type", 8))
+        sound = [Member(n.encode(), d, DEFLATE) for n, d in content.items()]
+        path.write_bytes(zipped([*sound, Member(name.encode(), data, method, **fields)]))
 
     return write
-
-
-def _encrypted(data: bytes) -> bytes:
-    """Set the bit of encryption in every header."""
-    changed = bytearray(data)
-    for mark, offset in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
-        place = changed.find(mark)
-        while place >= 0:
-            changed[place + offset] |= 1
-            place = changed.find(mark, place + 4)
-    return bytes(changed)
-
-
-def _damaged(data: bytes) -> bytes:
-    """Change a byte in the middle of the first member's packed content."""
-    place = data.index(b"modelDescription.xml") + 300
-    return data[:place] + bytes([data[place] ^ 0xFF]) + data[place + 1 :]
 
 
 def _moved(name: str) -> Writer:
@@ -136,31 +107,15 @@ def _moved(name: str) -> Writer:
     return with_files({"modelDescription.xml": None, name: description})
 
 
-def _bomb(path: Path, content: Members) -> None:
-    pack(path, content)
-    with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("resources/zeros", bytes(80 * 1024**2))
-
-
-def _newer(data: bytes) -> bytes:
-    place = data.index(b"PK\x01\x02")
-    return data[: place + 6] + b"\x2d" + data[place + 7 :]
-
-
-def _described(path: Path, content: Members) -> None:
-    """Write a stored member whose directory entry tells of a data descriptor."""
-    _with_member("resources/a", compress_type=0)(path, content)
-    data = bytearray(path.read_bytes())
-    data[data.rindex(b"PK\x01\x02") + 8] |= 8
-    path.write_bytes(data)
-
-
-_LINK = (stat.S_IFLNK | 0o777) << 16
 _ARCHIVE = [
     ("not-a-zip", "text", lambda path, _: path.write_text("no FMU")),
     ("not-a-zip", "empty", lambda path, _: path.write_bytes(b"")),
-    ("damaged-archive", "truncated", _raw(lambda data: data[: len(data) // 2])),
-    ("zip-bomb", "80 MB of zeros", _bomb),
+    (
+        "damaged-archive",
+        "truncated",
+        lambda path, _: path.write_bytes(zipped([Member(b"a", bytes(99))])[:60]),
+    ),
+    ("zip-bomb", "80 MB of zeros", _with_member("resources/zeros", bytes(80 * 1024**2))),
     ("unsafe-path", "goes up", _with_member("../../evil.txt")),
     ("unsafe-path", "absolute", _with_member("/etc/evil.txt")),
     ("unsafe-path", "drive", _with_member("C:/evil.txt")),
@@ -173,13 +128,13 @@ _ARCHIVE = [
     ("unportable-path", "dot at the end", _with_member("resources/a.")),
     ("unportable-path", "empty part", _with_member("resources//a")),
     ("unportable-path", "long", _with_member("resources/" + 200 * "a")),
-    ("link-in-archive", "symbolic link", _with_member("resources/l", b"/", external_attr=_LINK)),
-    ("encrypted-member", "all", _raw(_encrypted)),
-    ("compression-method", "bzip2", _with_member("resources/a", b"a" * 99, compress_type=12)),
-    ("damaged-member", "a byte changed", _raw(_damaged)),
+    ("link-in-archive", "symbolic link", _with_member("resources/l", b"/", mode=LINK)),
+    ("encrypted-member", "one", _with_member("resources/a", flags=1)),
+    ("compression-method", "bzip2", _with_member("resources/a", method=12)),
+    ("damaged-member", "another checksum", _with_member("resources/a", crc=1)),
     ("no-model-description", "in a folder", _moved("reference/modelDescription.xml")),
     ("no-model-description", "spelled otherwise", _moved("ModelDescription.xml")),
-    ("foreign-letters", "an umlaut", _with_member("resources/ä.txt")),
+    ("foreign-letters", "an umlaut", _with_member("resources/ä.txt", flags=UTF8)),
 ]
 
 SEEDS = [
@@ -187,6 +142,6 @@ SEEDS = [
     *(Seed("file", 3, *seed) for seed in _FILES3),
     Seed("file", 2, "sources-not-listed", "none", lambda path, content: pack(path, {n: d for n, d in content.items() if n != _BUILD} | {"modelDescription.xml": content["modelDescription.xml"].replace(b'<SourceFiles>\n      <File name="model.c"/>\n    </SourceFiles>', b"")})),
     *(Seed("archive", 2, *seed) for seed in _ARCHIVE),
-    Seed("archive", 3, "zip-version", "4.5", _raw(_newer)),
-    Seed("archive", 3, "stored-with-data-descriptor", "one", _described),
+    Seed("archive", 3, "zip-version", "4.5", _with_member("resources/a", needs=45)),
+    Seed("archive", 3, "stored-with-data-descriptor", "one", _with_member("resources/a", method=STORED, flags=8)),
 ]  # fmt: skip

@@ -1,13 +1,13 @@
 """The sound FMU, and defects that are seeded into it."""
 
 import base64
-import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 from tests.corpus import fmu
+from tests.corpus.fmu import archive as pack
 
 HERE = Path(__file__).parent
 PIXEL = base64.b64decode(
@@ -53,14 +53,6 @@ def members(version: int) -> Members:
         "documentation/index.html": b"<!DOCTYPE html><title>reference</title>",
         "documentation/licenses/license.txt": b"MIT",
     }
-
-
-def pack(path: Path, content: Members) -> Path:
-    """Write files into an FMU."""
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, data in content.items():
-            archive.writestr(name, data)
-    return path
 
 
 Writer = Callable[[Path, Members], None]

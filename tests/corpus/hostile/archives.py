@@ -4,10 +4,9 @@ from pathlib import Path
 
 from tests.corpus.hostile.case import Case
 from tests.corpus.hostile.sound import DESCRIPTION, fmu, members
-from tests.corpus.hostile.zips import DEFLATE, FIFO, LINK, Member, zipped
+from tests.corpus.hostile.zips import DEFLATE, FIFO, LINK, UTF8, Member, zipped
 
 _MB = 1024**2
-_UTF8 = 0x800
 
 
 def _beside(group: int, name: str, about: str, says: str, *more: Member) -> Case:
@@ -16,7 +15,7 @@ def _beside(group: int, name: str, about: str, says: str, *more: Member) -> Case
 
 
 def _named(name: str, about: str, says: str, *members: bytes) -> Case:
-    more = (Member(m, b"" if m.endswith(b"/") else b"evil", flags=_UTF8) for m in members)
+    more = (Member(m, b"" if m.endswith(b"/") else b"evil", flags=UTF8) for m in members)
     return _beside(1, name, about, says, *more)
 
 

@@ -1,12 +1,11 @@
 """Arguments of the wrong shape, kind and value in Python."""
 
-from tests.corpus.hostile.case import Case, Content
+from tests.corpus.hostile.case import Case, python
 from tests.corpus.hostile.sound import sound
 
 
 def _python(name: str, about: str, says: str, code: str) -> Case:
-    files: dict[str, Content] = {"a.fmu": sound} if "a.fmu" in code else {}
-    return Case(26, name, about, says, "", files, code)
+    return python(26, name, about, says, code, **{"a_fmu": sound} if "a.fmu" in code else {})
 
 
 _TIMES = '"a.fmu", step=0.1, stop=1.0'
@@ -14,28 +13,19 @@ _SYSTEM = 's = ss.System("s"); s.add("a", "a.fmu"); s.expose("u", "a.u")\n'
 
 
 def _driven(name: str, about: str, says: str, signal: str) -> Case:
-    return _python(
-        f"input-{name}",
-        f"an input that is {about}",
-        says,
-        f'ss.simulate({_TIMES}, inputs={{"u": {signal}}})',
-    )
+    code = f'ss.simulate({_TIMES}, inputs={{"u": {signal}}})'
+    return _python(f"input-{name}", f"an input that is {about}", says, code)
 
 
 def _swept(name: str, about: str, says: str, parameters: str, figures: str) -> Case:
-    return _python(
-        f"sweep-{name}",
-        f"a sweep {about}",
-        says,
-        f"ss.sweep({_TIMES.replace(',', f', {parameters}, {figures},', 1)})",
-    )
+    code = f"ss.sweep({_TIMES.replace(',', f', {parameters}, {figures},', 1)})"
+    return _python(f"sweep-{name}", f"a sweep {about}", says, code)
 
 
 def _optimised(name: str, about: str, says: str, ranges: str, cost: str, more: str = "") -> Case:
     times = _TIMES.replace(",", f", {ranges}, {cost},", 1)
-    return _python(
-        f"search-{name}", f"a search {about}", says, f"ss.optimise({times}, evaluations=20{more})"
-    )
+    code = f"ss.optimise({times}, evaluations=20{more})"
+    return _python(f"search-{name}", f"a search {about}", says, code)
 
 
 _ONE = '{"f": lambda result: 1.0}'

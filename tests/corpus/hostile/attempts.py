@@ -20,53 +20,54 @@ from pathlib import Path
 from typing import Any
 
 from stickslip import fmucheck
+from stickslip.fmi.process import sandbox
 from stickslip.fmucheck import rules
 from tests.corpus import fmu
 
-REFUSED = {  # attempt -> how it is named; {0} stands for the folder of the victim, {1} for its process
-    "read": "read {0}/secret",
-    "write": "write {0}/secret",
-    "create": "write {0}/new",
-    "handle": "read {0}/secret",
-    "delete": "delete {0}/secret",
-    "folder": "write {0}/new",
-    "move": "delete {0}/secret",
-    "take": "delete {0}/secret",
-    "link": "link {0}/secret",
-    "chmod": "call fchmodat for {0}/secret",
-    "chmod_root": "call fchmodat for /proc/self/root{0}/secret",
-    "chmod_handle": "call fchmodat for /proc/self/fd/",
-    "fchmod": "call fchmod for /etc/passwd",
-    "futimens": "call utimensat for /etc/passwd",
-    "flock": "call flock for /etc/passwd",
-    "lease": "call fcntl 0x400",
-    "attributes": "call ioctl 0x40086602",
-    "limits": "call prlimit64 for process {1}",
-    "kill": "send a signal to process {1}",
-    "kill_all": "send a signal to process -1",
-    "tgkill": "send a signal to process {1}",
-    "priority": "call setpriority for process {1}",
-    "priority_user": "call setpriority for process 0",
-    "terminal": "read /dev/pts/",
-    "own_terminal": "read /dev/tty",
-    "type": "call ioctl 0x5412",
-    "shared_file": "write /dev/shm/stickslip-attempt",
-    "datagrams": "call socketpair",
-    "unix_socket": "open a socket of other programs",
-    "internet": "open a network connection",
-    "crypto": "open a socket of family 38",
-    "io_uring": "call io_uring_setup",
-    "namespace": "make a namespace",
-    "group": "leave its group of processes",
-    "program": "start the program /bin/true",
-    "not_dumped": "call prctl 0x4",
-    "unknown": "call 1000",
-    **({"x32": "call 1073741863", "32_bits": "call 20 of 32 bits"} if os.uname().machine == "x86_64" else {}),
-    "sendto": "call sendto",
-    "shared_memory": "share more memory than it may take",
-    "other_threads": "write {0}/new",
-    "threads": "start more than 256 processes and threads",
-    "processes": "start more than 256 processes and threads",
+REFUSED = {  # attempt -> how it is named, and the call; {0} is the victim's folder, {1} its process, {2} its terminal
+    "read": ("read {0}/secret", "openat -100 ={0}/secret 0"),
+    "write": ("write {0}/secret", "openat -100 ={0}/secret 0x401"),
+    "create": ("write {0}/new", "openat -100 ={0}/new 0x41 0600"),
+    "handle": ("read {0}/secret", "openat -100 ={0}/secret 0x200000"),
+    "delete": ("delete {0}/secret", "unlinkat -100 ={0}/secret"),
+    "folder": ("write {0}/new", "mkdirat -100 ={0}/new 0700"),
+    "move": ("delete {0}/secret", "renameat2 -100 ={0}/secret -100 ={0}/other"),
+    "take": ("delete {0}/secret", "renameat2 -100 ={0}/secret -100 =own"),
+    "link": ("link {0}/secret", "linkat -100 ={0}/secret -100 =own"),
+    "chmod": ("call fchmodat for {0}/secret", "fchmodat -100 ={0}/secret 0777"),
+    "chmod_root": ("call fchmodat for /proc/self/root{0}/secret", "fchmodat -100 =/proc/self/root{0}/secret 0777"),
+    "chmod_handle": ("call fchmodat for /proc/self/fd/", "fchmodat -100 handle 0644"),
+    "fchmod": ("call fchmod for /etc/passwd", "fchmod foreign 0644"),
+    "futimens": ("call utimensat for /etc/passwd", "utimensat foreign"),
+    "flock": ("call flock for /etc/passwd", "flock foreign 5"),
+    "lease": ("call fcntl 0x400", "fcntl foreign 1024 0"),
+    "attributes": ("call ioctl 0x40086602", "ioctl foreign 0x40086602 zeros"),
+    "limits": ("call prlimit64 for process {1}", "prlimit64 {1} 7 zeros 0"),
+    "kill": ("send a signal to process {1}", "kill {1} 15"),
+    "kill_all": ("send a signal to process -1", "kill -1 0"),
+    "tgkill": ("send a signal to process {1}", "tgkill {1} {1} 15"),
+    "priority": ("call setpriority for process {1}", "setpriority 0 {1} 7"),
+    "priority_user": ("call setpriority for process 0", "setpriority 2 0 0"),
+    "terminal": ("read /dev/pts/", "openat -100 ={2} 0x900"),
+    "own_terminal": ("read /dev/tty", "openat -100 =/dev/tty 0"),
+    "type": ("call ioctl 0x5412", "ioctl 0 0x5412 =x"),
+    "shared_file": ("write /dev/shm/stickslip-attempt", "openat -100 =/dev/shm/stickslip-attempt 0x42 0600"),
+    "datagrams": ("call socketpair", "socketpair 1 2 0 zeros"),
+    "unix_socket": ("open a socket of other programs", "socket 1 1 0"),
+    "internet": ("open a network connection", "socket 2 1 0"),
+    "crypto": ("open a socket of family 38", "socket 38 5 0"),
+    "io_uring": ("call io_uring_setup", "io_uring_setup 1 zeros"),
+    "namespace": ("make a namespace", "clone 0x10000011"),
+    "group": ("leave its group of processes", "setpgid 0 0"),
+    "program": ("start the program /bin/true", "execve =/bin/true zeros zeros"),
+    "not_dumped": ("call prctl 0x4", "prctl 4 0"),
+    "unknown": ("call 1000", "1000"),
+    **({"x32": ("call 1073741863", "1073741863"), "32_bits": ("call 20 of 32 bits", "")} if os.uname().machine == "x86_64" else {}),
+    "sendto": ("call sendto", ""),
+    "shared_memory": ("share more memory than it may take", ""),
+    "other_threads": ("write {0}/new", ""),
+    "threads": ("start more than 256 processes and threads", ""),
+    "processes": ("start more than 256 processes and threads", ""),
 }  # fmt: skip
 SILENT = ("environment", "raised_limits", "own_files")
 """What is not worth a word: it has no effect, or is allowed and works."""
@@ -149,12 +150,19 @@ def a_victim() -> Iterator[tuple[Victim, Path]]:
             victim.end()
 
 
+def order(name: str, victim: Victim) -> str:
+    """Return a line that asks for an attempt: its name, and the number and arguments of a call."""
+    called, *words = REFUSED.get(name, ("", ""))[1].split() or [""]
+    number = str(sandbox.numbers(os.uname().machine).get(called, called))
+    line = " ".join([name, number, *words])
+    return line.format(victim.folder, victim.process, os.ttyname(victim.screen))
+
+
 def write(path: Path, binary: bytes, victim: Victim, names: list[str]) -> Path:
     """Write an FMU that tries some, one after the other."""
     interface = {"CoSimulation": 'canHandleVariableCommunicationStepSize="true"'}
     description = fmu.describe("attempts", 2, [fmu.Variable("u", "input", 0.0)], interface)
-    terminal = os.ttyname(victim.screen)
-    orders = f"{victim.process} {victim.folder} {terminal}\n" + "\n".join(names)
+    orders = "\n".join([str(victim.folder), *(order(name, victim) for name in names)])
     files = {"resources/behaviour.txt": orders.encode(), fmu.place("attempts", 2): binary}
     return fmu.pack(path, description, files)
 
@@ -168,7 +176,7 @@ def checked(binary: bytes) -> dict[str, list[str]]:
         before = victim.state()
         report = fmucheck.check(path)
         after = victim.state()
-        expected = [REFUSED[name].format(victim.folder, victim.process) for name in REFUSED]
+        expected = [said.format(victim.folder, victim.process) for said, _ in REFUSED.values()]
     named = [place for f in report if f.rule == "reaches-outside" for place in (f.place, *f.others)]
     return {
         "lacking": [one for one in expected if not any(n.startswith(one) for n in named)],

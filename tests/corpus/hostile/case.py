@@ -93,3 +93,9 @@ GROUPS = {
     30: "clusters and consoles",
 }
 """What a case attacks."""
+
+
+def python(group: int, name: str, about: str, says: str, code: str, **others: Content) -> Case:
+    """Return a case of Python; what others hold is as of ``family``."""
+    files = {other.replace("_", "."): text for other, text in others.items()}
+    return Case(group, name, about, says, "", files, code)

@@ -1,19 +1,18 @@
 """Names and forms in which nothing can be exported."""
 
-from tests.corpus.hostile.case import Case
+from functools import partial
+
+from tests.corpus.hostile.case import Case, python
 from tests.corpus.hostile.sound import sound
 
+_python = partial(python, 28)
 _SYSTEM = 's = ss.System("s"); s.add("a", "a.fmu")\n'
-
-
-def _python(name: str, about: str, says: str, code: str) -> Case:
-    return Case(28, name, about, says, "", code=code)
 
 
 def _container(name: str, about: str, says: str, arguments: str) -> Case:
     """Return a case of a system of one FMU that is to become an FMU."""
     code = f'{_SYSTEM}ss.write_fmu(s, "s.fmu", {arguments})'
-    return Case(28, f"container-{name}", f"a container {about}", says, "", {"a.fmu": sound}, code)
+    return _python(f"container-{name}", f"a container {about}", says, code, a_fmu=sound)
 
 
 def _named(name: str, about: str, called: str, language: str = "c") -> Case:

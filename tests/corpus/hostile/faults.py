@@ -23,25 +23,16 @@ _VARIABLES = [
 
 
 @cache
-def library(environment: str = "m->environment") -> Path:
-    """Return the compiled FMU, one for all versions and kinds.
-
-    ``environment`` is a C expression: what it passes to the logger as its environment.
-    """
+def library() -> bytes:
+    """Return the compiled FMU, one for all versions and kinds."""
     source = Path(__file__).with_name("faults.c")
-    return fmu.library("faults", source, flags=(*_FLAGS, f"-DENVIRONMENT={environment}"))
+    return fmu.library("faults", source, flags=_FLAGS).read_bytes()
 
 
-def write(
-    path: Path,
-    plan: str,
-    version: int = 2,
-    kind: Kind = "plain",
-    environment: str = "m->environment",
-) -> Path:
+def write(path: Path, plan: str, version: int = 2, kind: Kind = "plain") -> Path:
     """Write an FMU that fails as planned: ``FUNCTION NTH STATUS``, or ARMED_ELSEWHERE.
 
-    ``environment`` is a C expression: what it passes to the logger as its environment.
+    A number behind them is of the environment that it passes to the logger, see faults.c.
     """
     word = "state" if version == 2 else "State"
     flags = f'canGetAndSetFMU{word}="true" canSerializeFMU{word}="true"'
@@ -59,6 +50,4 @@ def write(
         token=plan,
         experiment='startTime="0" stopTime="1" stepSize="0.1"',
     )
-    return fmu.pack(
-        path, description, {fmu.place("faults", version): library(environment).read_bytes()}
-    )
+    return fmu.pack(path, description, {fmu.place("faults", version): library()})

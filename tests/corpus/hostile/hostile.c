@@ -112,16 +112,12 @@ static int act(Model *m) {
 #define IF(name) if (strcmp(what, name) == 0)
     IF("segv") { *(volatile int *)8 = 1; }
     IF("abort") { abort(); }
-    IF("ill") { __builtin_trap(); }
-    IF("bus") { raise(SIGBUS); }
-    IF("kill") { raise(SIGKILL); }
     IF("exit0") { exit(0); }
     IF("overflow") { return overflow(NULL); }
     IF("hang") {
         for (volatile bool waiting = true; waiting;)
             sleep(60);
     }
-    IF("stop") { raise(SIGSTOP); }
     IF("leak") { leak(); }
     IF("flood") { flood(); }
     IF("flood_log") { flood_log(m); }
@@ -222,7 +218,6 @@ static int act(Model *m) {
         say(m, 3, "50 %n of it failed %s");
         return 3;
     }
-    IF("format") { say(m, 3, "50 %n of it failed"); }
     IF("fail") {
         say(m, 3, "I do not want to");
         return 3;
@@ -326,7 +321,6 @@ static int get(Model *m, const unsigned r[], size_t n, double v[]) {
 
 #define MAKE                                                                                       \
     instantiate(token, &(Model){.callbacks = callbacks, .log = log, .environment = environment})
-#define SETUP call(m, "SetupExperiment")
 #define ENTER call(m, "EnterInitializationMode")
 #define LEAVE call(m, "ExitInitializationMode")
 #define TERMINATE call(m, "Terminate")

@@ -51,9 +51,6 @@ DOCUMENTS = [
     _learned("validation-long", "a command of 1e300 s", "samples", changed("validation", "plateau", to={"value": 1e300}), _EXPORT),
 ]  # fmt: skip
 
-CHECKPOINTS = [
-]  # fmt: skip
-
 OPTIONS = [
     _set("text", "a mass that is text", "must be a number", "drive.m=heavy"),
     _set("twice", "two masses", "set twice", "drive.m=1 drive.m=2"),
@@ -81,7 +78,4 @@ STATES = [
     _state("code", "a saved state whose header is an expression", "holds what was not saved here", _zip(row=b"\x93NUMPY\1\0v\0" + b"(" * 5000)),
 ]  # fmt: skip
 
-SYSTEMS = [
-]  # fmt: skip
-
-CASES = [*DOCUMENTS, *CHECKPOINTS, *OPTIONS, *FLEETS, *STATES, *SYSTEMS]
+CASES = [*DOCUMENTS, *OPTIONS, *FLEETS, *STATES]

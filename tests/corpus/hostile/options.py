@@ -18,20 +18,13 @@ def _cache(name: str, about: str, says: str, place: str) -> Case:
     return Case(27, f"cache-{name}", about, says, "", {"a.fmu": sound, "in.csv": ""}, code)
 
 
-def _workers(name: str, about: str, says: str, call: str) -> Case:
-    return Case(27, f"workers-{name}", about, says, "", {"a.fmu": sound}, f"ss.{call}")
-
-
-_TIMES = "step=0.1, stop=1.0"
 CASES = [
     _cache("file", "a cache that is a file", "a.fmu: cannot be unpacked .*Not a directory", '"in.csv"'),
     _cache("long", "a cache whose name is too long", "a.fmu: cannot be unpacked", '"x" * 5000'),
-    _workers("lambda", "a figure that cannot be sent to another process", "cannot be sent to another process", f'sweep("a.fmu", {{"k": [1, 2]}}, {{"f": lambda result, lock=__import__("_thread").allocate_lock(): 1.0}}, {_TIMES}, where="processes", workers=2)'),
-    _workers("scheme", "a scheduler at an address of no kind", "no Dask scheduler at 'foo://x'", f'sweep("a.fmu", {{"k": [1, 2]}}, {{"f": len}}, {_TIMES}, where="foo://x")'),
-    _workers("nowhere", "workers that are nowhere", "where|workers", f'sweep("a.fmu", {{"k": [1, 2]}}, {{"f": len}}, {_TIMES}, where="elsewhere")'),
     _case("save-over-the-fmu", "a state that would be saved over the FMU that is run", "--save a.fmu: is what the run reads", "simulate a.fmu --until 0.5 --save a.fmu"),
     _case("out-over-the-input", "results that would be written over the input", "--out in.csv: is what the run reads", "simulate a.fmu --input in.csv --out ./in.csv"),
     _case("memory", "a limit of 1e300 MB", "isolation: memory is 1e\\+300, expected a positive number below", "simulate a.fmu --memory 1e300"),
+    _case("timeout-of-nothing", "a time limit for an FMU that runs in the same process", "--timeout needs --isolate", "simulate a.fmu --no-isolate --timeout 5"),
     _case("allow-missing", "access to a folder that is not there", "allow is 'files=missing', expected a folder that exists", "simulate a.fmu --allow files=missing"),
     _case("allow-nothing", "access to no folder, which would be the present one", "allow is 'files=', expected a folder", "simulate a.fmu --allow files="),
     _case("until-nan", "an end at NaN", "until = nan s is not a point in time", "simulate a.fmu --until nan"),

@@ -1,10 +1,11 @@
 """System structure packages of the reference FMU, sound but for what a case spoils."""
 
-import zipfile
 from collections.abc import Callable, Mapping, Sequence
+from io import BytesIO
 from pathlib import Path
 
 from tests.corpus.defects import reference
+from tests.corpus.fmu import archive
 
 Text = str | bytes
 STRUCTURE = "SystemStructure.ssd"
@@ -119,11 +120,10 @@ def packed(text: Text, files: Mapping[str, Text] | None = None) -> Callable[[Pat
     """Return what writes a package of a structure, files, and the reference FMUs 2.fmu, 3.fmu."""
 
     def write(path: Path) -> None:
-        with zipfile.ZipFile(path, "w") as archive:
-            for name, content in {STRUCTURE: text, **(files or {})}.items():
-                archive.writestr(name, content)
-            for fmi in (2, 3):
-                with archive.open(f"resources/{fmi}.fmu", "w") as fmu:
-                    reference.pack(fmu, reference.members(fmi))
+        fmus = {}
+        for fmi in (2, 3):
+            reference.pack(file := BytesIO(), reference.members(fmi))
+            fmus[f"resources/{fmi}.fmu"] = file.getvalue()
+        archive(path, {STRUCTURE: text, **(files or {}), **fmus})
 
     return write

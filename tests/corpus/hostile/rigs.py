@@ -1,11 +1,12 @@
 """Drives behind sockets that answer what they should not, rigs that return no logs, kept logs."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from tests.corpus.hostile.case import Case, Content
+from tests.corpus.hostile.case import Case, Content, python
 
 _ANSWERS = """
 import contextlib, json, socket, threading
@@ -50,6 +51,7 @@ with {} as rig:
     rig.push(np.zeros(3))
 """
 )
+_python = partial(python, 24)
 _BENCH = "Bench(ss.Datasheet(), 5e-4, limits)"
 
 
@@ -57,10 +59,6 @@ def _answers(name: str, about: str, says: str, answer: str) -> Case:
     """Return a case of a server that gives an answer, as an expression in ``seq`` and ``sound``."""
     code = _ANSWERS.replace("ANSWER", answer)
     return Case(24, f"answer-{name}", f"a drive that answers {about}", says, "", code=code)
-
-
-def _python(name: str, about: str, says: str, code: str) -> Case:
-    return Case(24, name, about, says, "", code=code)
 
 
 def _returns(name: str, about: str, says: str, log: str) -> Case:
@@ -71,15 +69,9 @@ def _kept(name: str, about: str, says: str, file: str, content: Content) -> Case
     """Return a case of a folder of kept logs with a file that is damaged."""
     log = "ss.Log(np.zeros(3), np.zeros(3), np.zeros(3))"
     code = _RIG.format(log, f'ss.KeptRig({_BENCH}, "kept")')
-    return Case(
-        24,
-        f"kept-{name}",
-        f"kept logs, of which the first is {about}",
-        says,
-        "",
-        {f"kept/motion-0001.{file}": content},
-        code,
-    )
+    about = f"kept logs, of which the first is {about}"
+    files = {f"kept/motion-0001.{file}": content}
+    return Case(24, f"kept-{name}", about, says, "", files, code)
 
 
 def _command(name: str, about: str, says: str, arguments: str) -> Case:

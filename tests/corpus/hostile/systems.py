@@ -118,8 +118,6 @@ CONNECTIONS = [
 
 SOURCES = [
     _source("traversal", "../../../etc/passwd", "lies outside the package"),
-    _source("absolute", "/etc/passwd", "lies outside the package"),
-    _source("file-uri", "file:///etc/passwd", "lies outside the package"),
     _source("http", "http://127.0.0.1:9/a.fmu", "lies outside the package"),
     _source("source-missing", "resources/none.fmu", "is missing from the package"),
     _source("source-nul", "%00", "names no file"),

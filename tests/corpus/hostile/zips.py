@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-STORED, DEFLATE = 0, 8
+STORED, DEFLATE, UTF8 = 0, 8, 0x800
 UNIX = 3
 LINK, FIFO, FILE = 0o120777, 0o010666, 0o100644
 

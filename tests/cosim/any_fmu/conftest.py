@@ -1,5 +1,7 @@
-"""FMUs as other tools export them, made on the spot from models.c."""
+"""FMUs as other tools export them, made on the spot from tests/cosim/models.c."""
 
+import functools
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,6 +10,7 @@ import pytest
 
 from tests.corpus import fmu
 from tests.corpus.fmu import Variable
+from tests.cosim.conftest import library
 
 NUMERIC = ["Float64", "Float32"]
 NUMERIC += [f"{sign}Int{bits}" for bits in (8, 16, 32, 64) for sign in ("", "U")]
@@ -145,13 +148,6 @@ def describe(
     )
 
 
-def library(model: str) -> Path:
-    """Return the compiled model."""
-    number = list(MODELS).index(model)
-    source = Path(__file__).with_name("models.c")
-    return fmu.library(model, source, flags=(f"-DMODEL={number}",))
-
-
 Export = Callable[..., Path]
 
 
@@ -159,25 +155,19 @@ Export = Callable[..., Path]
 def export(tmp_path_factory: pytest.TempPathFactory) -> Export:
     """Export an FMU: ``export("ball", 3, "ME CS events")``."""
     folder = tmp_path_factory.mktemp("any fmu")
-    made: dict[tuple[object, ...], Path] = {}
 
+    @functools.cache
     def export(
         model: str,
         version: int,
         interfaces: str = "ME CS",
         flags: str = "",
         binary_name: str | None = None,
-        platform_folder: str | None = None,
         experiment: str = "",
     ) -> Path:
-        key = (model, version, interfaces, flags, binary_name, platform_folder, experiment)
-        if key not in made:
-            place = Path(fmu.place(binary_name or model, version))
-            place = place.parent.with_name(platform_folder or place.parent.name) / place.name
-            description = describe(model, version, interfaces, flags, experiment)
-            path = folder / str(len(made)) / f"{model}.fmu"
-            files = {place.as_posix(): library(model).read_bytes()}
-            made[key] = fmu.pack(path, description, files)
-        return made[key]
+        description = describe(model, version, interfaces, flags, experiment)
+        binary = library(model, list(MODELS).index(model))
+        files = {fmu.place(binary_name or model, version): binary}
+        return fmu.pack(Path(tempfile.mkdtemp(dir=folder)) / f"{model}.fmu", description, files)
 
     return export

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from tests.cosim.single import by_fmpy, one
+from tests.cosim.single import by_fmpy, joined, one
 
 
 def last_of_each_time(result):
@@ -43,10 +43,7 @@ def test_a_discrete_input_that_jumps_is_an_event(export, interfaces):
 def test_a_continuous_input_that_moves_is_no_event(export, version, interfaces):
     """Neither from outside nor from another FMU; a table that jumps between points is one."""
     path = export("oscillator", version, interfaces)
-    system = one(path)
-    system.add("b", path)
-    system.expose("u", "a.force")
-    system.connect("a.position", "b.force")
+    system = joined(dict.fromkeys("ab", path), "a.position b.force", u="a.force")
     with system.prepare(step=0.125, stop=1.0) as simulation:
         result = simulation.run(inputs={"u": np.sin(simulation.time)})
         assert not result["a.events"].any()
@@ -135,10 +132,8 @@ def test_clocks_that_will_not_tick_are_named(export, caplog):
 @pytest.mark.parametrize("step", [0.125, 0.1])
 def test_an_output_clock_ticks_the_input_clock_that_it_is_connected_to(export, interfaces, step):
     """Its column is 1 after each step in which it ticked; each tick is one event of the other."""
-    path = export("clocked", 3, interfaces)
-    system = one(path)
-    system.add("b", path)
-    system.connect("a.tock", "b.by_hand")
+    parts = dict.fromkeys("ab", export("clocked", 3, interfaces))
+    system = joined(parts, "a.tock b.by_hand")
     with system.prepare(step=step, stop=STOP) as simulation:
         result = simulation.run()
         np.testing.assert_array_equal(simulation.run().values, result.values)
@@ -148,8 +143,7 @@ def test_an_output_clock_ticks_the_input_clock_that_it_is_connected_to(export, i
 
 
 def test_clocks_are_connected_in_ssp_2(export, tmp_path):
-    system = one(export("clocked", 3, "CS events"))
-    system.add("b", export("clocked", 3, "CS events"))
+    system = joined(dict.fromkeys("ab", export("clocked", 3, "CS events")))
     cosim.write_ssp(system, tmp_path / "apart.ssp")
     system.connect("a.tock", "b.by_hand")
     with pytest.raises(cosim.SspError, match=r"a\.tock is a clock, which SSP 1.0 has not"):

@@ -13,7 +13,7 @@ import pytest
 from stickslip import cosim
 from stickslip.cosim.fmu import instance as once
 from stickslip.simulation import simulate
-from tests.cosim.single import halves, one, repacked, saves
+from tests.cosim.single import halves, joined, one, repacked, saves
 
 
 def test_the_only_library_of_the_folder_is_taken_with_a_warning(export, version, caplog):
@@ -46,8 +46,7 @@ def test_interfaces_are_listed_and_pickled(export):
 def test_one_instance_per_process(export):
     once = 'canBeInstantiatedOnlyOncePerProcess="true"'
     path = export("stair", 2, "CS", once)
-    system = cosim.System("first")
-    system.add("a", path)
+    system = joined({"a": path}, name="first")
     with system.prepare(step=0.1, stop=0.2) as simulation:
         simulation.run()
         with pytest.raises(cosim.SimulationError, match="only once per process, and a of first"):
@@ -153,35 +152,31 @@ def test_a_ball_bounces_with_the_new_restitution(export, version, interfaces):
     assert np.ptp(late["a.height"] - old["a.height"]) > 0.1
 
 
-@pytest.fixture(params=[2, 3])
-def gain(make, request):
-    system = one(make("gain", request.param), {"k": 2.0})
-    system.expose("x", "a.u")
-    return system
+@pytest.fixture
+def gain(make, version):
+    return one(make("gain", version), {"k": 2.0}, "u")
 
 
 @pytest.mark.parametrize(
-    ("coupling", "compiled", "record"),
-    [
-        *(("jacobi", False, None), ("jacobi", True, ["a.y"])),
-        (cosim.Coupling("iterative", degree=0), False, ["a.y"]),
-    ],
+    ("coupling", "record"),
+    [("jacobi", None), ("jacobi", ["a.y"]), (cosim.Coupling("iterative", degree=0), ["a.y"])],
 )
-def test_from_its_time_on_each_step_has_the_new_value(gain, compiled, coupling, record):
+def test_from_its_time_on_each_step_has_the_new_value(gain, version, coupling, record):
+    compiled = version == 3 and coupling == "jacobi" and record is not None
     tunable = steps("a.k", 2.0, (0.5, 5.0), (1.0, 7.0), (1.5, 5.0))
     expected = np.full(N + 1, 2.0)
     expected[6:] = 5.0  # the output at t[6] is that of the step from t[5]
     expected[11:16] = 7.0
     how = {"compiled": compiled, "coupling": coupling, "record": record}
     with gain.prepare(step=STEP, stop=N * STEP, **how) as simulation:
-        result = simulation.run(inputs={"x": 1.0}, tunable=tunable)
+        result = simulation.run(inputs={"u": 1.0}, tunable=tunable)
         np.testing.assert_array_equal(result["a.y"], expected)
-        given = simulation.run({"a.k": 3.0}, inputs={"x": 1.0}, tunable=tunable)
+        given = simulation.run({"a.k": 3.0}, inputs={"u": 1.0}, tunable=tunable)
         np.testing.assert_array_equal(given["a.y"], [3.0, *expected[1:]])
         noise = np.random.default_rng(3).standard_normal(N + 1)
-        noisy = simulation.run(inputs={"x": 1.0}, tunable={"a.k": noise})
+        noisy = simulation.run(inputs={"u": 1.0}, tunable={"a.k": noise})
         np.testing.assert_array_equal(noisy["a.y"][1:], noise[:-1])
-        plain = simulation.run(inputs={"x": 1.0})
+        plain = simulation.run(inputs={"u": 1.0})
         np.testing.assert_array_equal(plain["a.y"], np.full(N + 1, 2.0))
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from tests.cosim.single import halves, one, saves
+from tests.cosim.single import halves, joined, one, saves
 
 
 def ends(system, path, inputs=None, parameters=None, until=1.0, **how):
@@ -29,10 +29,8 @@ def test_events(export, tmp_path, model, interfaces):
 
 def test_arrays_keep_the_elements_that_are_not_fed(export, tmp_path):
     fmu = export("state_space", 3, "CS", saves(3))
-    system = one(fmu, {"n": 2, "A": [[0.0, 1.0], [-1.0, 0.0]], "x0": [1.0, 0.0]})
-    system.add("b", fmu, {"n": 2})
-    system.connect("a.y", "b.u")
-    system.expose("x", "a.u[2]")
+    first = fmu, {"n": 2, "A": [[0.0, 1.0], [-1.0, 0.0]], "x0": [1.0, 0.0]}
+    system = joined({"a": first, "b": (fmu, {"n": 2})}, "a.y b.u", x="a.u[2]")
     whole, rest = ends(system, tmp_path / "a.state", {"x": np.sin}, {"a.u[1]": 0.5})
     np.testing.assert_array_equal(rest, whole)
 

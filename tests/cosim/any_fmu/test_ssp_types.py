@@ -1,6 +1,5 @@
 """Packages with signals that are no scalar numbers: enumerations, arrays."""
 
-import zipfile
 from functools import partial
 
 import numpy as np
@@ -9,7 +8,9 @@ import pytest
 from stickslip import cosim
 from stickslip.cosim.ssp.markup import violation
 from stickslip.cosim.ssp.structure import Package
+from tests.corpus.fmu import archive
 from tests.corpus.hostile import packages
+from tests.cosim.single import joined, members
 
 SPEED = (
     '<ssd:Enumerations><ssc:Enumeration name="Speed"><ssc:Item name="slow" value="1"/>'
@@ -21,11 +22,8 @@ connection = partial(packages.connection, convert=True)
 @pytest.fixture
 def pack(tmp_path):
     def pack(fmu, text):
-        path = tmp_path / "packed.ssp"
-        with zipfile.ZipFile(path, "w") as archive:
-            archive.writestr("SystemStructure.ssd", text)
-            archive.write(fmu, "resources/a.fmu")
-        return path
+        files = {"SystemStructure.ssd": text, "resources/a.fmu": fmu.read_bytes()}
+        return archive(tmp_path / "packed.ssp", files)
 
     return pack
 
@@ -97,19 +95,15 @@ def test_arrays_are_connected_as_a_whole_and_by_element(export, pack, tmp_path):
 @pytest.mark.parametrize("names", [("a", "b"), ("left/a", "right/b")])
 def test_a_new_system_of_arrays_is_written_and_read_back(export, tmp_path, names):
     a, b = names
-    system = cosim.System("arrays")
-    for name in names:
-        system.add(name, export("state_space", 3, "CS"), {"n": 2, "A": -np.eye(2)})
+    part = export("state_space", 3, "CS"), {"n": 2, "A": -np.eye(2)}
+    system = joined(dict.fromkeys(names, part), f"{a}.y {b}.u", x=f"{a}.u[2]")
     system.set(f"{a}.x0", [1.0, 2.0])
-    system.connect(f"{a}.y", f"{b}.u")
-    system.expose("x", f"{a}.u[2]")
     path = cosim.write_ssp(system, tmp_path / "a.ssp", version="2.0")
     assert is_valid(path)
     again, _ = cosim.read_ssp(path)
     assert (again.connections, again.inputs) == (system.connections, system.inputs)
     assert again.parameters == system.parameters
-    text = zipfile.ZipFile(path).read("SystemStructure.ssd").decode()
-    assert 'size="2"' in text
+    assert b'size="2"' in members(path)["SystemStructure.ssd"]
     del again.connections[f"{b}.u[1]"]  # one of a connection of both
     third, _ = cosim.read_ssp(cosim.write_ssp(again, tmp_path / "b.ssp"))
     assert third.connections == {f"{b}.u[2]": f"{a}.y[2]"}

@@ -1,14 +1,18 @@
 """FMUs of linear systems, exact within a step, and two masses coupled by a spring and a damper."""
 
+import functools
+import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from stickslip import cosim
 from tests.corpus import fmu
 from tests.corpus.fmu import Variable
+from tests.cosim.single import joined
 
 SIGNALS = ["u1", "u2", "x1", "x2", "y1", "y2"]
 MATRICES = [f"{m}{i}{j}" for m in "abcd" for i in (1, 2) for j in (1, 2)]
@@ -48,8 +52,8 @@ def describe(
 def linear(tmp_path_factory: pytest.TempPathFactory) -> Linear:
     """Make an FMU: ``linear(2, "d11", restores=False)``: y1 depends on u1 at once, no way back."""
     folder = tmp_path_factory.mktemp("linear")
-    made: dict[object, Path] = {}
 
+    @functools.cache
     def make(
         version: int = 2,
         *feedthrough: str,
@@ -58,19 +62,15 @@ def linear(tmp_path_factory: pytest.TempPathFactory) -> Linear:
         exchange: bool = False,
         flags: tuple[str, ...] = (),
     ) -> Path:
-        key = (version, feedthrough, restores, interpolates, exchange, flags)
-        if key not in made:
-            word = "FMUstate" if version == 2 else "FMUState"
-            abilities = {f"canGetAndSet{word}": restores, f"canSerialize{word}": restores}
-            if version == 2 and not exchange:
-                abilities["canInterpolateInputs"] = interpolates
-            path = folder / f"{len(made)}.fmu"
-            source = Path(__file__).with_name("linear.c")
-            library = fmu.library("linear", source, flags=flags, complete=False)
-            text = describe(version, frozenset(feedthrough), abilities, exchange=exchange)
-            files = {fmu.place("linear", version): library.read_bytes()}
-            made[key] = fmu.pack(path, text, files)
-        return made[key]
+        word = "FMUstate" if version == 2 else "FMUState"
+        abilities = {f"canGetAndSet{word}": restores, f"canSerialize{word}": restores}
+        if version == 2 and not exchange:
+            abilities["canInterpolateInputs"] = interpolates
+        source = Path(__file__).with_name("linear.c")
+        library = fmu.library("linear", source, flags=flags, complete=False)
+        text = describe(version, frozenset(feedthrough), abilities, exchange=exchange)
+        path = Path(tempfile.mkdtemp(dir=folder)) / "linear.fmu"
+        return fmu.pack(path, text, {fmu.place("linear", version): library.read_bytes()})
 
     return make
 
@@ -96,14 +96,19 @@ class TwoMasses:
             ]
         )
 
+    def exact(self, time: np.ndarray) -> np.ndarray:
+        """Return the places of the left mass (n,), m, at times a step apart from 0 on."""
+        once = expm(self.matrix * time[1])
+        states = [np.array([1.0, 0.0, self.right.get("x1", 0.0), 0.0])]
+        for _ in time[1:]:
+            states.append(once @ states[-1])
+        return np.array(states)[:, 0]
+
     def system(self, linear: Linear, version: int = 2, **abilities: bool) -> cosim.System:
-        system = cosim.System("two masses")
-        system.add("left", linear(version, **abilities), self.left)
-        system.add("right", linear(version, "d11", "d12", **abilities), self.right)
-        system.connect("left.y1", "right.u1")
-        system.connect("left.y2", "right.u2")
-        system.connect("right.y1", "left.u1")
-        return system
+        left = linear(version, **abilities), self.left
+        right = linear(version, "d11", "d12", **abilities), self.right
+        wires = "left.y1 right.u1", "left.y2 right.u2", "right.y1 left.u1"
+        return joined({"left": left, "right": right}, *wires)
 
 
 @pytest.fixture

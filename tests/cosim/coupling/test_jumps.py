@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from stickslip import cosim
 from stickslip.cosim import Adaptive, Coupling, Table
-from tests.cosim.single import one
+from tests.cosim.single import joined, one
 
 KINDS = {
     "CS 2.0 interpolating": (2, {}),
@@ -102,11 +101,9 @@ def test_adaptive_steps_come_past_a_jump_at_any_time(linear, kind, start):
     """An output that shows the jump at once lets no prediction hold, however short the step."""
     start, step = STARTS[start]
     version, abilities = KINDS[kind]
-    system = cosim.System("gain")
-    system.add("gain", linear(version, "d11", **abilities), {"d11": 1.0})
-    system.add("a", linear(version, **abilities), {"b11": 1.0, "c11": 1.0})
-    system.expose("u", "gain.u1")
-    system.connect("gain.y1", "a.u1")
+    gain = linear(version, "d11", **abilities), {"d11": 1.0}
+    parts = {"gain": gain, "a": (linear(version, **abilities), {"b11": 1.0, "c11": 1.0})}
+    system = joined(parts, "gain.y1 a.u1", u="gain.u1")
     time, u = levels(start, step)
     coupling = "adaptive, degree 1"
     result = run(system, coupling, start, step, Table(time, LEVELS, held=True))

@@ -8,21 +8,17 @@ import pytest
 from scipy.optimize import brentq
 
 from stickslip import cosim
+from tests.cosim.single import joined
 
 
-@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
-def gains(linear, request):
+@pytest.fixture
+def gains(linear, version):
     """a = k1 b + w + 0.7, b = k2 a, all at once."""
 
     def make(k1, k2, **abilities):
-        system = cosim.System("gains")
         first = {"d11": k1, "d12": 1.0, "f1": 0.7}
-        system.add("a", linear(request.param, "d11", "d12", **abilities), first)
-        system.add("b", linear(request.param, "d11", **abilities), {"d11": k2})
-        system.connect("a.y1", "b.u1")
-        system.connect("b.y1", "a.u1")
-        system.expose("w", "a.u2")
-        return system
+        a, b = linear(version, "d11", "d12", **abilities), linear(version, "d11", **abilities)
+        return joined({"a": (a, first), "b": (b, {"d11": k2})}, "a.y1 b.u1", "b.y1 a.u1", w="a.u2")
 
     return make
 
@@ -114,13 +110,9 @@ def test_a_cycle_of_components_that_is_no_loop_of_variables(linear):
     """a.u1 -> a.y1 -> b -> a.u2 -> a.y2: through a twice, but never back."""
 
     def chain(**abilities):
-        system = cosim.System("chain")
-        system.add("a", linear(2, "d11", "d22", **abilities), {"d11": 2.0, "d22": 3.0})
-        system.add("b", linear(2, "d11", **abilities), {"d11": 5.0})
-        system.connect("a.y1", "b.u1")
-        system.connect("b.y1", "a.u2")
-        system.expose("w", "a.u1")
-        return system
+        a = linear(2, "d11", "d22", **abilities), {"d11": 2.0, "d22": 3.0}
+        b = linear(2, "d11", **abilities), {"d11": 5.0}
+        return joined({"a": a, "b": b}, "a.y1 b.u1", "b.y1 a.u2", w="a.u1")
 
     w = np.arange(6.0)
     result = chain().prepare(step=1.0, stop=5.0).run(inputs={"w": w})
@@ -179,13 +171,11 @@ def test_impossible_couplings_are_refused(wrong):
 
 def fixed_point(function):
     """Return a run of a loop of two functions, where y = function(y)."""
-    system = cosim.System("loop")
-    for name, called in (("a", function), ("b", float)):
-        step = cosim.Function(lambda _, u, f=called: f(u["u"]), {"u": None}, {"y": None})
-        system.add(name, step)
-    system.connect("a.y", "b.u")
-    system.connect("b.y", "a.u")
-    return system.prepare(step=0.1, stop=0.2).run()
+    parts = {
+        name: cosim.Function(lambda _, u, f=called: f(u["u"]), {"u": None}, {"y": None})
+        for name, called in (("a", function), ("b", float))
+    }
+    return joined(parts, "a.y b.u", "b.y a.u").prepare(step=0.1, stop=0.2).run()
 
 
 @pytest.mark.parametrize(

@@ -2,31 +2,20 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
-from scipy.linalg import expm
 
 from stickslip import cosim
+from tests.cosim.single import joined
 
 
 def errors(pair, linear, step, coupling, **abilities):
-    """Return error of the left mass, m, and effort; the reference integrates both as one."""
+    """Return error of the left mass, m, and effort."""
     system = pair.system(linear, **abilities)
     with system.prepare(step=step, stop=10.0, coupling=coupling) as simulation:
         result = simulation.run()
         again = simulation.run()
         effort = simulation.effort
     np.testing.assert_array_equal(result.values, again.values)
-    start = [1.0, 0.0, pair.right.get("x1", 0.0), 0.0]
-    exact = solve_ivp(
-        lambda _, x: pair.matrix @ x,
-        (0.0, 10.0),
-        start,
-        method="Radau",
-        t_eval=np.minimum(result.time, 10.0),
-        rtol=1e-9,
-        atol=1e-9,
-    )
-    return np.abs(result["left.y1"] - exact.y[0]).max(), effort
+    return np.abs(result["left.y1"] - pair.exact(result.time)).max(), effort
 
 
 def test_adaptive_steps_take_fewer_steps_for_the_same_error(transient_pair, linear):
@@ -49,18 +38,15 @@ def test_the_error_follows_the_tolerance_of_adaptive_steps(
         system = two_masses.system(linear, interpolates=interpolates)
         adaptive = cosim.Coupling(method, degree=2, adaptive=cosim.Adaptive(tolerance))
         result = system.prepare(step=0.25, stop=1.0, coupling=adaptive).run()
-        exact = [expm(two_masses.matrix * t)[0, 0] for t in result.time]
-        error = np.abs(result["left.y1"] - exact).max()
+        error = np.abs(result["left.y1"] - two_masses.exact(result.time)).max()
         assert 1e-3 * tolerance < error < tolerance
 
 
 def test_a_step_is_kept_just_when_its_prediction_holds(linear):
     """A line through the last two points misses y'' = 1 by h^2 after a step of h."""
-    system = cosim.System("parabola")
-    system.add("source", linear(), {"a12": 1.0, "f2": 0.0, "b22": 1.0, "c11": 1.0, "f1": 1e3})
-    system.add("sink", linear(), {"b11": 1.0, "c11": 1.0})
-    system.expose("u", "source.u2")
-    system.connect("source.y1", "sink.u1")
+    source = linear(), {"a12": 1.0, "b22": 1.0, "c11": 1.0, "f1": 1e3}
+    parts = {"source": source, "sink": (linear(), {"b11": 1.0, "c11": 1.0})}
+    system = joined(parts, "source.y1 sink.u1", u="source.u2")
     effort = {}
     for share in (0.99, 1.01):  # of the miss that the tolerance allows
         adaptive = cosim.Adaptive(share * 0.1**2 / 1e3)
@@ -80,15 +66,12 @@ def test_an_adaptive_step_names_who_cannot_go_back(two_masses, linear):
         system.prepare(step=0.1, stop=1.0, coupling=coupling)
 
 
-@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
-def sampled(make, request):
+@pytest.fixture
+def sampled(make, version):
     """A gain k = -1 closes the loop around an integrator."""
-    system = cosim.System("sampled")
-    system.add("plant", make("integrator", request.param), {"k": 1.0})
-    system.add("controller", make("gain", request.param), {"k": -1.0})
-    system.connect("plant.y", "controller.u")
-    system.connect("controller.y", "plant.u")
-    return system
+    controller = make("gain", version), {"k": -1.0}
+    parts = {"plant": (make("integrator", version), {"k": 1.0}), "controller": controller}
+    return joined(parts, "plant.y controller.u", "controller.y plant.u")
 
 
 def test_a_slow_controller_holds_its_output_while_the_plant_steps_on(sampled):

@@ -44,28 +44,24 @@ def assert_same(one, other):
     assert other.stopped == one.stopped
 
 
+INPUT = {"inputs": {"y": 0.3}}
 HOW = {
-    "plain": {},
     "some": {"record": cosim.Record(["mass.v", "y"], every=7)},
     "last": {"record": cosim.Record("mass.*", keep="last")},
     "compiled": {"compiled": True, "constant_step": True, "coupling": "jacobi"},
 }
 RUNS = {
-    "number": {"inputs": {"y": 0.3}, "parameters": {"controller.K_p": 50.0}},
+    "number": INPUT | {"parameters": {"controller.K_p": 50.0}},
     "function": {"inputs": {"y": lambda t: np.sin(t)}},
     "table": {"inputs": {"y": Table(np.array([0.0, 0.1003, 0.1003, 1]), np.array([0, 0, 1, 1.0]))}},
-    "tunable": {"inputs": {"y": 0.3}, "tunable": {"controller.K_p": lambda t: 40.0 + t}},
+    "tunable": INPUT | {"tunable": {"controller.K_p": lambda t: 40.0 + t}},
 }
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("how", HOW.values(), ids=HOW)
-def test_whatever_is_recorded(fmus, how):
-    assert_same(*both(loop(fmus), how, inputs={"y": 0.3}))
-
-
-@pytest.mark.slow
-def test_whatever_is_fed(fmus):
+def test_whatever_is_recorded_and_fed(fmus):
+    for how in HOW.values():
+        assert_same(*both(loop(fmus), how, **INPUT))
     spec = cosim.Specification(loop(fmus, 3), STEP, STOP)
     with spec.prepare() as here, replace(spec, isolation="process").prepare() as there:
         for arguments in RUNS.values():

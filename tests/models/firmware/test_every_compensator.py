@@ -18,6 +18,7 @@ from stickslip.servo.axis import Axis
 from stickslip.servo.systems import loop_values
 from stickslip.servo.velocity_loop import close_velocity_loop
 from tests.cosim.single import exposed
+from tests.kept import further
 from tests.models.firmware import structured_text
 
 STEP, N = 5e-4, 1500  # s
@@ -160,12 +161,26 @@ def of_c(folder: Path, model: models.Model, *flags: str) -> tuple[np.ndarray, np
     return out, learned
 
 
+FLOATS = [*FEEDFORWARDS, "observer", "momentum_observer", "mlp", "lugre_network", "position_force"]
+"""Those whose C in float is compiled in every run of the tests."""
+
+
 @pytest.mark.parametrize("case", CASES)
-def test_c_in_double_is_the_fmu_bit_for_bit(exported, case):
+def test_c_in_double_is_the_fmu_bit_for_bit_and_structured_text_agrees(exported, case):
     folder = exported(case)
     model, expected, _ = of_fmu(folder, case)
     np.testing.assert_array_equal(of_c(folder, model)[0], expected)
     assert np.ptp(expected) > 5.0  # N
+    blocks = structured_text.load((folder / f"{model.name}.st").read_text())
+    block = blocks[model.name.capitalize()]
+    given = signals(members(model, "input"))
+    outputs = members(model, "output")
+    step = {} if model.sampled else {"h": STEP}
+    for k in range(200):  # they rest, creep and reverse
+        scope = block(**step, **{name: float(values[k]) for name, values in given.items()})
+        assert scope["valid"]
+        found = [scope[name] for name in outputs]
+        np.testing.assert_allclose(found, expected[k], rtol=0, atol=1e-7)
 
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="g++ is not installed here")
@@ -184,7 +199,7 @@ def test_c_is_valid_cpp_and_states_its_formulas(tmp_path):
     subprocess.run([*compiler, *strict, *map(str, sources)], check=True)
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", [*FLOATS, *further(*(c for c in CASES if c not in FLOATS))])
 def test_c_in_float_is_near(exported, case):
     """The observer's position has 24 bits, of which one is worth some newtons in L_d."""
     folder = exported(case)
@@ -193,22 +208,6 @@ def test_c_in_float_is_near(exported, case):
     error = np.abs(found - expected)
     assert error.max() > 0.0  # float was compiled indeed
     assert np.sqrt(np.mean(error**2)) < 0.02 * np.ptp(expected)
-
-
-@pytest.mark.parametrize("case", CASES)
-def test_structured_text_agrees_with_the_fmu(exported, case):
-    folder = exported(case)
-    model, expected, _ = of_fmu(folder, case)
-    blocks = structured_text.load((folder / f"{model.name}.st").read_text())
-    block = blocks[model.name.capitalize()]
-    given = signals(members(model, "input"))
-    outputs = members(model, "output")
-    step = {} if model.sampled else {"h": STEP}
-    for k in range(200):  # they rest, creep and reverse
-        scope = block(**step, **{name: float(values[k]) for name, values in given.items()})
-        assert scope["valid"]
-        found = [scope[name] for name in outputs]
-        np.testing.assert_allclose(found, expected[k], rtol=0, atol=1e-7)
 
 
 @pytest.mark.parametrize("name", LEARNED)

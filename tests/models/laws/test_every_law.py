@@ -27,13 +27,6 @@ def level(law: models.Law, v: float) -> float:
 
 
 @every
-def test_no_force_at_rest(follow, law):
-    found = follow(law.name, H, np.zeros(50))
-    assert not found["F_mean"].any()
-    assert not found["F_f"].any()
-
-
-@every
 @pytest.mark.parametrize("v", [2e-4, -1e-3, 0.05])
 def test_a_constant_speed_ends_at_the_declared_force(follow, law, v):
     found = follow(law.name, H, np.full(12000, v), **RESTED.get(law.name, {}))
@@ -42,7 +35,10 @@ def test_a_constant_speed_ends_at_the_declared_force(follow, law, v):
 
 
 @every
-def test_forward_and_backward_mirror_each_other(follow, law):
+def test_at_rest_there_is_no_force_and_forward_and_backward_mirror_each_other(follow, law):
+    rest = follow(law.name, H, np.zeros(50))
+    assert not rest["F_mean"].any()
+    assert not rest["F_f"].any()
     v = 0.02 * np.sin(np.arange(600) * 0.04) + 1e-3 * np.cos(np.arange(600) * 0.7)
     np.testing.assert_array_equal(
         follow(law.name, H, v)["F_mean"], -follow(law.name, H, -v)["F_mean"]

@@ -105,7 +105,7 @@ def test_the_law_of_the_drive_predicts_what_it_was_not_fitted_to(predicted):
     # The elements of that GMS are five, and others than those of the catalogue.
     assert own.force < (2.5 if law == "gms" else 1.3) * own.explained
     assert float(np.sqrt(own.squares.mean())) == pytest.approx(own.force, rel=0.01)
-    assert found["Coulomb-viscous"].force > 2.0 * own.force
+    assert found["Coulomb-Stribeck with F_s = F_c"].force > 2.0 * own.force
 
 
 def test_gains_of_a_controller_that_was_running_before_are_believed(monkeypatch):

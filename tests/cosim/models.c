@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FEEDTHROUGH, STATE_SPACE, BALL, OSCILLATOR, STAIR, CLOCKED };
+enum { FEEDTHROUGH, STATE_SPACE, BALL, OSCILLATOR, STAIR, CLOCKED, AMPLIFIER, INTEGRATOR };
 enum { N_VALUES = 256, MAX_X = 8 };
 
 typedef union {
@@ -25,6 +25,9 @@ typedef struct {
     Value v[N_VALUES];
     double t, x[MAX_X], next_event;
     bool event_mode, early, terminate, initializing, running;
+    const fmi2CallbackFunctions *callbacks;
+    fmi3LogMessageCallback log;
+    fmi3InstanceEnvironment environment;
 } Model;
 
 /* place in the table */
@@ -33,6 +36,10 @@ enum { N, A, U = A + 64, Y = U + 8, X0 = Y + 8 };   /* STATE_SPACE */
 enum { H, V, G, E, BOUNCES, HEIGHT };               /* BALL */
 enum { POS, VEL, K, FORCE, GAIN, EVENTS };          /* OSCILLATOR */
 enum { COUNT, PERIOD, LAST, TRIGGER, SEEN, LEVEL }; /* STAIR */
+/* AMPLIFIER: y = k u; INTEGRATOR: y' = u, y(0) = k. From a time on both fail as their fault says: a
+ * status, or one of those behind. */
+enum { INPUT, SHOWN, FACTOR, FAULT_TIME, TOTAL, FAULT, WHOLE, FLAG, TEXT, SIGN };
+enum { GIVE_NAN = 10, END, RETURN_EARLY };
 /* CLOCKED: clocks, whether they tick, how often they did, the time of the last; 5 each */
 enum {
     EVERY,
@@ -67,16 +74,21 @@ static void start(Model *m) {
     } else if (MODEL == STAIR) {
         m->v[PERIOD].d = 0.25;
         m->v[LAST].i = 1000;
+    } else if (MODEL == AMPLIFIER || MODEL == INTEGRATOR) {
+        m->v[FACTOR].d = 1.0;
+        m->v[FAULT_TIME].d = 1e9;
     }
 }
 
 static size_t n_states(const Model *m) {
-    return MODEL == STATE_SPACE ? (size_t)m->v[N].i : MODEL == BALL || MODEL == OSCILLATOR ? 2 : 0;
+    return MODEL == STATE_SPACE                   ? (size_t)m->v[N].i
+           : MODEL == BALL || MODEL == OSCILLATOR ? 2
+                                                  : MODEL == INTEGRATOR;
 }
 
 static void read_states(Model *m) {
     for (size_t i = 0; i < n_states(m); i++) {
-        m->x[i] = m->v[(MODEL == STATE_SPACE ? X0 : 0) + i].d;
+        m->x[i] = m->v[(MODEL == STATE_SPACE ? X0 : MODEL == INTEGRATOR ? FACTOR : 0) + i].d;
     }
     if (MODEL == STAIR) {
         m->next_event = m->t + m->v[PERIOD].d;
@@ -121,6 +133,8 @@ static void derivatives(const Model *m, double *dx) {
     } else if (MODEL == OSCILLATOR) {
         dx[0] = m->x[1];
         dx[1] = -m->v[K].d * m->x[0] + m->v[FORCE].d;
+    } else if (MODEL == INTEGRATOR) {
+        dx[0] = m->v[INPUT].d;
     }
 }
 
@@ -144,6 +158,10 @@ static void outputs(Model *m) {
         m->v[POS].d = m->x[0];
         m->v[VEL].d = m->x[1];
         m->v[GAIN].d = 2.0 * m->v[FORCE].d;
+    } else if (MODEL == AMPLIFIER || MODEL == INTEGRATOR) {
+        m->v[SHOWN].d = MODEL == INTEGRATOR ? m->x[0] : m->v[FACTOR].d * m->v[INPUT].d;
+        m->v[TOTAL].d = (double)m->v[WHOLE].i + 10.0 * (double)m->v[FLAG].i +
+                        100.0 * (double)strlen(m->v[TEXT].text);
     }
 }
 
@@ -206,7 +224,41 @@ static bool step(Model *m, double end) {
     return false;
 }
 
-static int do_step(Model *m, double end, bool *event, bool *early) {
+static void report(const Model *m, int status, const char *format, double number) {
+    char message[64];
+    if (m->callbacks) {
+        m->callbacks->logger(m->callbacks->componentEnvironment, "model", (fmi2Status)status,
+                             "error", format, number);
+    } else {
+        snprintf(message, sizeof message, format, number);
+        m->log(m->environment, (fmi3Status)status, "error", message);
+    }
+}
+
+/* A step of the last two, which may fail. */
+static int simple_step(Model *m, double t, double h, bool *early, double *reached) {
+    const int due = t >= m->v[FAULT_TIME].d ? (int)m->v[FAULT].i : 0;
+    m->x[0] += h * m->v[INPUT].d;
+    if (due == GIVE_NAN) {
+        m->x[0] = m->v[FACTOR].d = NAN;
+    } else if (due > 1 && due < GIVE_NAN) {
+        report(m, 0, "cause %g", 1.0); /* before the error, as with Dymola */
+        report(m, due, "broke at t = %g", t);
+    }
+    m->terminate = due == END;
+    *early = due == RETURN_EARLY;
+    *reached = *early ? t : t + h;
+    return due < GIVE_NAN ? due : 0;
+}
+
+static int do_step(Model *m, double t, double h, bool *event, bool *terminate, bool *early,
+                   double *reached) {
+    const double end = t + h;
+    if (MODEL == AMPLIFIER || MODEL == INTEGRATOR) {
+        const int status = simple_step(m, t, h, early, reached);
+        *terminate = m->terminate;
+        return status;
+    }
     while (m->t < end - 1e-12) {
         *event = step(m, end) || *event;
         if (m->early || m->terminate) {
@@ -214,6 +266,8 @@ static int do_step(Model *m, double end, bool *event, bool *early) {
         }
     }
     *early = m->early && m->t < end - 1e-12;
+    *terminate = m->terminate;
+    *reached = m->t;
     return 0;
 }
 
@@ -274,6 +328,17 @@ fmi2Status fmi2SetString(void *c, const unsigned r[], size_t n, const fmi2String
 fmi3Status fmi3SetString(void *c, const unsigned r[], size_t n, const fmi3String v[], size_t nv) {
     return (void)nv, (fmi3Status)fmi2SetString(c, r, n, v);
 }
+fmi2Status fmi2GetString(void *c, const unsigned r[], size_t n, fmi2String v[]) {
+    Model *m = c;
+    outputs(m);
+    for (size_t i = 0; i < n; i++) {
+        v[i] = r[i] != SIGN ? m->v[r[i]].text : m->v[SHOWN].d > 0.0 ? "up" : "not \xc3\xbcp";
+    }
+    return fmi2OK;
+}
+fmi3Status fmi3GetString(void *c, const unsigned r[], size_t n, fmi3String v[], size_t nv) {
+    return (void)nv, (fmi3Status)fmi2GetString(c, r, n, v);
+}
 fmi3Status fmi3SetBinary(void *c, const unsigned r[], size_t n, const size_t sizes[],
                          const fmi3Binary v[], size_t nv) {
     (void)nv, (void)r, (void)v;
@@ -289,11 +354,10 @@ static bool well_placed(const char *resources, bool version_2, bool exchange) {
                      : exchange || end == '/' || end == '\\';
 }
 
-static Model *create(bool placed, bool events, bool early) {
-    Model *m = placed ? calloc(1, sizeof *m) : NULL;
+static Model *create(bool placed, Model given) {
+    Model *m = placed ? malloc(sizeof *m) : NULL;
     if (m) {
-        m->event_mode = events;
-        m->early = early;
+        *m = given;
         start(m);
     }
     return m;
@@ -308,13 +372,16 @@ static int update_info(Model *m, fmi2EventInfo *info) {
     return 0;
 }
 
-#define MAKE create(well_placed(resources, callbacks, exchange), events, early)
+#define MAKE                                                                                       \
+    create(well_placed(resources, callbacks, exchange), (Model){.event_mode = events,              \
+                                                                .early = early,                    \
+                                                                .callbacks = callbacks,            \
+                                                                .log = log,                        \
+                                                                .environment = environment})
 #define SETUP setup(m, t, told, tolerance)
 #define ENTER initialise(m)
 #define LEAVE begin(m)
-#define STEP                                                                                       \
-    (do_step(m, t + h, event, early), *terminate = ((Model *)m)->terminate,                        \
-     *reached = ((Model *)m)->t, 0)
+#define STEP do_step(m, t, h, event, terminate, early, reached)
 #define SAVES
 #define EXCHANGE
 #define OWN_REALS
