@@ -205,7 +205,7 @@ CROSSING = 0.7  # mean speed over the whole travel, as a share of what is reache
 def whole_travel(limits: Limits, n: int) -> Array:
     """Return runs over all of the travel and back."""
     length = 0.95 * limits.room
-    once = 2.0 * length / (CROSSING * limits.reachable)  # [s]
+    once = max(QUICK, 2.0 * length / (CROSSING * limits.reachable))  # [s]
     pieces = []
     for samples in _shares(n, max(1, math.floor(n / limits.rate / once))):
         corners = ([0, 0.05, 0.45, 0.55, 0.95, 1], [0, 1, 1, -1, -1, 0])

@@ -46,6 +46,17 @@ ONES = dict.fromkeys(("stroke", "speed", "acceleration"), 1.0)
 )
 # four samples for each of the small moves
 @example(**ONES, duration=2.0, rate=100.0, show=["F_c", "F_s"], jerk=np.inf, share=None)
+# a run over the whole travel within one sample
+@example(
+    stroke=1e-3,
+    speed=1.0,
+    acceleration=62.0,
+    duration=4.0,
+    rate=100.0,
+    show=["position_force"],
+    jerk=np.inf,
+    share=0.0,
+)
 @settings(max_examples=60)
 def test_limits_are_kept(stroke, speed, acceleration, duration, rate, show, jerk, share):
     """The travel, if given, is less than the stroke, around a start at a share of it."""
