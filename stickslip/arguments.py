@@ -36,11 +36,11 @@ _TAKEN: dict[object, Any] = {  # in place of a class: numbers of numpy, paths as
 _SEVERAL = (Sequence, Iterable, list)
 
 
-def checked(function: F, *, always: bool = False) -> F:
+def checked(function: F) -> F:
     """Return a function whose errors name an argument that it has not, or of another class.
 
     Classes are those of the annotations. They are compared where the function fails as Python does,
-    not with a Fault, or ``always``: what works with another class goes on working.
+    not with a Fault: what works with another class goes on working.
 
     Raises TypeError.
     """
@@ -64,7 +64,7 @@ def checked(function: F, *, always: bool = False) -> F:
                 known = [one for one in names if one != "self"]
                 raise TypeError(f"{name} has no argument {key!r}{suggestion(key, known)}")
         try:
-            found = function(*args, **given)
+            return function(*args, **given)
         except Fault:
             raise
         except (AttributeError, TypeError, ValueError) as fault:
@@ -73,22 +73,16 @@ def checked(function: F, *, always: bool = False) -> F:
             except TypeError as named:
                 raise named from fault
             raise
-        if always:
-            require(args, given)
-        return found
 
     return call  # type: ignore[return-value]
 
 
 def public(value: Any) -> Any:
-    """Return a public function or class, the calls of which are checked.
-
-    An object of another class would be stored, so that what makes objects always compares them.
-    """
+    """Return a public function or class, the calls of which are checked."""
     if isinstance(value, type):
         kind: Any = value
         if isfunction(kind.__init__):
-            kind.__init__ = checked(kind.__init__, always=True)
+            kind.__init__ = checked(kind.__init__)
         return kind
     found = checked(value)
     found.__module__ = _PACKAGE  # where it is found when it goes to another process
@@ -117,6 +111,8 @@ def _fits(value: object, kind: object) -> bool:
         return any(_fits(value, one) for one in get_args(kind))
     if origin is Mapping:  # or a row of a table
         return hasattr(value, "items") or hasattr(value, "_asdict")
+    if getattr(origin, "__module__", "") == "numpy":  # lists, series and numbers are arrays, too
+        return True
     if origin in _SEVERAL:
         parts = value if isinstance(value, (list, tuple)) else ()
         inner = (*get_args(kind), object)[0]

@@ -137,7 +137,7 @@ def run(options: argparse.Namespace) -> Answer:
         from stickslip.logs.sets import logs_of
 
         every: list[Finding] = []
-        refused: dict[Path, RecordingError] = {}
+        refused: list[RecordingError] = []
         logs = logs_of(options.log, description)
         for log, one in zip(logs, check_logs(logs, alone=True), strict=True):
             refuses = isinstance(one, Refused)
@@ -145,14 +145,11 @@ def run(options: argparse.Namespace) -> Answer:
             TerminalProgress().findings(one.findings)
             every += one.findings
             if isinstance(one, Refused):
-                refused[log.path] = one.error
+                refused.append(one.error)
                 if not one.findings and len(logs) > 1:
                     print(f"error: {one.error}")
         if refused:
-            above = (every or len(logs) > 1) and not (options.quiet or options.json)
-            what = "cannot be learned from, for the errors above"
-            path, error = next(iter(refused.items()))
-            raise RecordingError(f"{path}: {what}") if above else error
+            raise refused[0]
         return Answer({"findings": [str(finding) for finding in every]})
     TerminalProgress().stage("loading what learning takes")
     from stickslip.studies.learn.folder import FILES

@@ -75,7 +75,7 @@ def test_emps_shows_no_presliding_and_says_so(emps, capsys):
 def test_the_error_of_emps_is_that_of_its_loop_and_velocity_feedforward_removes_it(emps):
     """A position loop without velocity feedforward lags by v / K_x, 0.8 mm at 0.128 m/s."""
     verdict = verdict_of(emps)
-    assert "friction is not the problem: 98 % of the position error" in verdict.headline
+    assert "friction is not the problem: 97.7 % of the position error" in verdict.headline
     assert not verdict.files
     assert verdict.loop.measured == pytest.approx(verdict.loop.without, rel=0.01)
     assert verdict.loop.remedy == VELOCITY

@@ -56,14 +56,6 @@ def test_a_column_with_the_name_of_another_quantity_is_told(check):
         assert "is read as" not in check("--column", usual, names={"force": "i"}.items())[2]
 
 
-def test_an_error_of_a_log_is_printed_once(check):
-    status, errors, _, err = check(names={"force": "iq"})
-    assert (status, len(errors)) == (1, 1)
-    assert errors[0] not in err
-    assert "cannot be learned from, for the errors above" in err
-    assert errors[0].removeprefix("error: ") in check("--quiet", names={"force": "iq"})[3]
-
-
 CONTRADICTIONS = {
     "position in mm": ({"position": 1e-3}, "10^3", "--unit position=mm"),
     "position in um": ({"position": 1e-6}, "10^6", "--unit position=um"),

@@ -80,7 +80,7 @@ def test_the_feedforward_has_the_friction_of_a_fitted_model_where_that_leaves_le
     monkeypatch.setattr(reproduction, "what_is_left", lambda one: left[one.rig.law.name])
     searched = with_law_found(other, options, Progress())
     loop, v = searched.reference, np.full(400, 2e-3)
-    system = feedforward(searched.rig.fmus, loop, searched.friction, "command")
+    system = feedforward(searched.rig.fmus, loop, searched.friction)
     with system.prepare(step=loop.T_s, stop=399 * loop.T_s, record=["compensator.F_mean"]) as runs:
         force = runs.run(inputs=loop.commands(v))["compensator.F_mean"]
     assert force[-1] == pytest.approx(4.0 + 3.0 * np.exp(-2.0), rel=1e-3)

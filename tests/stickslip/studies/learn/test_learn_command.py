@@ -129,7 +129,7 @@ def test_it_prints_and_writes_whether_compensation_helps(learned):
     table = out.split(f"RMS error of velocity with {chosen}")[1].splitlines()
     [row] = [one for one in predicted if (one["friction"], one["motion"]) == (2.0, "micro-steps")]
     assert f" {row['ratio']:.3g} " in next(line for line in table if line.startswith("2 times"))
-    assert "one designed for the learned mass if it shows none" in error
+    assert "its controller is not known; --controller and --gain give it" in error
     report = (folder / "report.html").read_text(encoding="utf-8")
     opening = report.index("Tracking without and with the compensator")
     assert report.index("<h1>") < opening < report.index("Learned parameters")
