@@ -21,7 +21,7 @@ pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium"),
 ]
-LONG = 120_000  # a learning, on a busy machine [ms]
+LONG = 300_000  # a learning, on a busy machine [ms]
 
 
 @pytest.fixture
