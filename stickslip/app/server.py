@@ -26,6 +26,9 @@ GONE = {
     "connection_lost": "The server has gone.",
     "trying_to_reconnect": "Start 'stickslip app' again and open the address that it prints.",
 }
+RECONNECTS = (
+    60.0  # time for which a tab may lose the server, which learning keeps busy, and stay [s]
+)
 
 
 class Guard:
@@ -84,7 +87,12 @@ def serve(folder: Path, port: int, announce: Callable[[str], object]) -> None:
     for words in translations.values():
         words.update(GONE)
     ui.run_with(
-        web, root=partial(page, workbench), title="stickslip", dark=None, show_welcome_message=False
+        web,
+        root=partial(page, workbench),
+        title="stickslip",
+        dark=None,
+        show_welcome_message=False,
+        reconnect_timeout=RECONNECTS,
     )
     pages.on_shutdown(workbench.close)
     announce(f"http://127.0.0.1:{port}/?token={token}")
