@@ -26,9 +26,9 @@ GONE = {
     "connection_lost": "The server has gone.",
     "trying_to_reconnect": "Start 'stickslip app' again and open the address that it prints.",
 }
-RECONNECTS = (
-    60.0  # time for which a tab may lose the server, which learning keeps busy, and stay [s]
-)
+RECONNECTS = 60.0
+"""Time [s] for which a tab keeps its state without an answer of the server: after NiceGUI's 3 s it
+is loaded again, without a running job, and a learning on a busy machine keeps the server longer."""
 
 
 class Guard:

@@ -282,7 +282,7 @@ class Caller:
             self.must(not lawful or (status == OK and bytes(found[0]) == bytes(found[1])))
 
     def foreign(self, p):
-        """Return a state that is none of this instance's."""
+        """Return a state of another instance."""
         theirs, own = self.draw.choice(self.pairs), {of[0].value for of, _ in p.kept}
         some = theirs.kept[self.below(KEPT)][0][0], p.kept[self.below(KEPT)][0][1]
         here = ctypes.cast(self.scratch, c_void_p)

@@ -15,7 +15,7 @@ ERROR = 3
 
 @pytest.fixture(params=["stage", "velocity_controller"])
 def one_fmu(request, build, version):
-    """Give a continuous and a sampled model: what is said here is said by the adapter of all."""
+    """Give a continuous and a sampled model: what holds here holds for the adapter of all."""
     return build(request.param, version)
 
 
