@@ -182,19 +182,32 @@ class MotionErrors:
         return low / harm.PROMISED, high * harm.PROMISED
 
     @property
+    def is_mostly_worse(self) -> bool:
+        """Whether the error grows on half of the runs, or by more on a quarter."""
+        return self.median.ratio > harm.WORSE or self._at(harm.DRIVES).ratio > harm.MORE
+
+    @property
     def is_worse(self) -> bool:
         """Whether the error grows on half of the runs, by more on a quarter, or by much on one."""
-        ratios = self.median.ratio, self._at(harm.DRIVES).ratio, self.worst.ratio
-        limits = harm.WORSE, harm.MORE, harm.SCATTER
-        return not all(ratio <= limit for ratio, limit in zip(ratios, limits, strict=True))
+        return self.is_mostly_worse or self.worst.ratio > harm.SCATTER
 
 
-def by_motion(rows: Iterable[TrialError]) -> list[MotionErrors]:
-    """Return the rows by level of friction, motion and figure, in their order."""
-    found: dict[tuple[float, str, str], list[TrialError]] = {}
+def by_motion(rows: Iterable[TrialError], *, apart: bool = False) -> list[MotionErrors]:
+    """Return the rows by level of friction, motion and figure, in their order.
+
+    With ``apart`` commands of the same name and of other speeds are other motions.
+    """
+    found: dict[tuple[object, ...], list[TrialError]] = {}
     for row in rows:
-        found.setdefault((row.level, row.command, row.figure), []).append(row)
+        key = (row.level, row.command, row.figure, row.speed if apart else 0.0)
+        found.setdefault(key, []).append(row)
     return [MotionErrors(tuple(one)) for one in found.values()]
+
+
+def is_harmless(swept: Rows, most: float) -> bool:
+    """Tell whether no move of a sweep is worse on most of the drives, or above ``most`` on one."""
+    motions = by_motion(swept, apart=True)
+    return not any(one.is_mostly_worse or one.worst.ratio > most for one in motions)
 
 
 @dataclass(frozen=True)
@@ -230,8 +243,8 @@ class Benefit:
 
     @cached_property
     def is_safe(self) -> bool:
-        """Whether the velocity error of no drive grows by more than that in the sweep."""
-        return all(row.ratio <= self.most for row in self.swept)
+        """Whether no move of the sweep is worse, nor any run by more than that."""
+        return is_harmless(self.swept, self.most)
 
     def shown(self, row: TrialError) -> tuple[float, str]:
         """Return the factor from SI to the unit in which a row is shown, and that unit."""
@@ -343,6 +356,12 @@ class Bench:
         """Return the folder of the FMUs with drives of a law."""
         return self.folder / law
 
+    @property
+    def longest_move(self) -> float:
+        """Length of the longest small move of the sweep [m]."""
+        moves = [one for one in self.sweep if one.name in (SWEEP[0], SWEEP[2])]
+        return max(float(np.ptp(np.cumsum(one.v_cmd))) for one in moves) * self.loop.T_s
+
     @cached_property
     def _worst(self) -> dict[Command, float]:
         """Largest ratio that was found by command of the sweep."""
@@ -434,7 +453,7 @@ class Bench:
         ]
 
     def swept(self, variant: Variant, most: float) -> Rows:
-        """Try a variant in the sweep, until a ratio is above ``most``.
+        """Try a variant in the sweep, until a command is worse on most drives, or one by ``most``.
 
         It begins where others harmed most. Whether a drive just breaks away without compensation is
         chance, so that the error without it is the largest of that command and of those next to
@@ -450,8 +469,8 @@ class Bench:
                 relative = [(error * (command.speed / one.speed),) for error, *_ in near]
                 without = list(map(max, without, relative))
             found += (own := rows_of(cells, without, self._errors(variant, cells)))
-            self._worst[command] = worst = max(row.ratio for row in own)
-            if worst > most:
+            self._worst[command] = max(row.ratio for row in own)
+            if not is_harmless(own, most):
                 break
         return found
 
@@ -534,7 +553,9 @@ def bench_of(
             datasheet=datasheet,
             workers=workers,
             onsets=onsets(law, drives, command, step),
-            sweep=sweep(command, loop.T_s, drives, step, stiffness=stiffness),
+            sweep=sweep(
+                command, loop.T_s, drives, step, stiffness=stiffness, rise=2.0 * math.pi * loop.axis.m / loop.K_p
+            ),
         )
         with closing(bench):
             yield bench

@@ -28,7 +28,7 @@ from stickslip.servo.chain_response import ChainResponse, frequencies
 from stickslip.servo.observer import FORCE_NOISE, DesignedObserver, design_observer, expected_errors
 from stickslip.servo.sensitivity import OpenLoop, Response
 from stickslip.servo.systems import Compensator
-from stickslip.thresholds import offer
+from stickslip.thresholds import harm, offer
 from stickslip.trial.benefit import SHARES as FORCES
 from stickslip.trial.benefit import Bench, Benefit, Variant, feedforward
 from stickslip.trial.observed import (
@@ -46,6 +46,7 @@ QUICK = 3  # drives on which candidates are compared first: as fitted, less, mor
 TRIED = 2  # Observers, and combinations, that are then tried on all drives
 SLOWER = (0.1, 1e-2, 1e-3, 1e-4)  # rates of the disturbance, over that of the fastest filter
 GRID = 8  # values of a gene that are compared by sensitivity and expected error
+LATER = 2.0  # factor from one onset to the next that is tried
 RAMPS = (0.1, 0.3, 1.0, 3.0)
 """Velocities at which the ramp of a Coulomb force ends that are compared, over the start value."""
 LATE = (0.03, 0.1, 0.3)
@@ -274,23 +275,49 @@ class _Candidates(ExitStack):
     def swept(self, found: CompensatorComparison) -> CompensatorComparison:
         """Return the same after what would be written was tried in the sweep of the bench."""
         while (row := found.chosen).benefit and row.acceptable and not row.benefit.swept:
-            safe = replace(row, benefit=self._safe(row.benefit))
+            benefit = self._safe(row.benefit)
+            designed = row.designed and replace(row.designed, observer=benefit.variant.chain[-1])
+            safe = replace(row, benefit=benefit, designed=designed)
             rows = tuple(safe if one is row else one for one in found.rows)
             found = replace(found, rows=rows)
         return found
 
     def _safe(self, benefit: Benefit) -> Benefit:
-        """Return a compensator at the largest share that harms nowhere in the sweep."""
-        shares = [one for one in FORCES if one <= benefit.share]
-        for share in shares if benefit.variant.has_feedforward else shares[:1]:
-            shared = benefit.variant.share(self.bench.law, share)
-            if share != benefit.share:
-                (other,) = self.bench.benefits([shared], shares=(1.0,))
-                benefit = replace(benefit, share=share, rows=other.rows, beyond=other.beyond)
-            benefit = replace(benefit, swept=self.bench.swept(shared, benefit.most))
-            if benefit.acceptable:
+        """Return a compensator that harms nowhere in the sweep: later, or with less of its force."""
+        found = benefit
+        for changed in (benefit, *self._later(benefit), *self._weaker(benefit)):
+            shared = changed.variant.share(self.bench.law, changed.share)
+            found = replace(changed, swept=self.bench.swept(shared, changed.most))
+            if not found.is_safe or changed is benefit:
+                if found.acceptable:
+                    break
+                continue
+            (other,) = self.bench.benefits([shared], shares=(1.0,))
+            full = found.full if found.variant.has_feedforward else other.rows
+            found = replace(found, rows=other.rows, beyond=other.beyond, full=full)
+            if found.acceptable and found.mean_ratio <= offer.GAIN:
                 break
-        return benefit
+        return found
+
+    def _later(self, benefit: Benefit) -> Iterator[Benefit]:
+        """Yield the same with an observer that acts from larger displacements on."""
+        *before, last = benefit.variant.chain
+        for onset in self._larger(last.values.get("onset", 0.0)):
+            changed = replace(last, values={**last.values, "onset": onset})
+            yield replace(benefit, variant=replace(benefit.variant, chain=(*before, changed)))
+
+    def _larger(self, onset: float) -> Iterator[float]:
+        """Yield larger onsets [m], up to one with which all moves of the sweep are left alone."""
+        longest = harm.ONSET * self.bench.longest_move
+        while 0.0 < onset < longest:
+            onset = min(LATER * onset, longest)
+            yield onset
+
+    def _weaker(self, benefit: Benefit) -> Iterator[Benefit]:
+        """Yield the same with smaller shares of the feedforward's force."""
+        for share in FORCES if benefit.variant.has_feedforward else ():
+            if share < benefit.share:
+                yield replace(benefit, share=share)
 
     def _feedforward(self, part: Part) -> Row:
         if part.model == ANY_LAW:
@@ -335,7 +362,9 @@ class _Candidates(ExitStack):
         """Return the row of an observer; none if there is no observer within the limit of Ms."""
         first = behind.benefit if behind and behind.benefit else self.own
         together = behind is not None
-        for onset in self._onsets(part) or ({},):
+        onsets = list(self._onsets(part)) or [{}]
+        onsets += [{"onset": one} for one in self._larger(onsets[-1].get("onset", 0.0))]
+        for onset in onsets:
             designs = (
                 designed.changed(onset) for designed in self._from_best(part, alone=not together)
             )
@@ -343,7 +372,7 @@ class _Candidates(ExitStack):
                 designed, benefit = strongest(self.bench, first, designs, together=together)
             except ControlError:
                 return []
-            if benefit.acceptable:
+            if benefit.acceptable and benefit.mean_ratio <= offer.GAIN:
                 break
         name = f"{behind.name}+{part.name}" if behind else part.name
         if together and first.acceptable:

@@ -48,7 +48,7 @@ MOVES = {MICRO: (4.0, 10.0, 0.01), "short moves": (60.0, 100.0, 0.1)}
 """Lengths of small moves: in presliding deflections of the drive, at least in encoder steps, and at
 most as a share of the travel."""
 PRESLIDING = ("sigma_0", "sigma_1")  # what does not follow the level of friction, in a drawn drive
-SWEEP = ("any small move", "creep at any speed")
+SWEEP = ("any small move", "creep at any speed", "any slow small move")
 SWEPT_MOVES, SWEPT_CREEPS = 12, (0.08, 0.15, 0.3, 0.6, 1.2)
 """Number of moves in the sweep, and its speeds of creep over the Stribeck velocity."""
 LENGTHS = 4  # deflections of drives whose law has none
@@ -174,6 +174,7 @@ def sweep(
     encoder_step: float = 0.0,
     *,
     stiffness: float = math.inf,
+    rise: float = 0.0,  # of the loop [s], in twice which a slow move is done
 ) -> tuple[Command, ...]:
     """Return small moves of any length and creep at any speed, with what ``commands`` takes.
 
@@ -187,7 +188,11 @@ def sweep(
         for (times, _, share), own in zip(MOVES.values(), (min(bent), max(bent)), strict=True)
     )
     lengths = np.geomspace(shortest, longest, SWEPT_MOVES).tolist()
-    found = [Command(SWEEP[0], _moves(length, command, T_s)) for length in lengths]
+    found = [
+        Command(name, _moves(length, command, T_s, least))
+        for name, least in ((SWEEP[0], 0.0), (SWEEP[2], 2.0 * rise))
+        for length in lengths
+    ]
     level = [one.parameters for one in drives if one.level == 1.0] or [drives[0].parameters]
     shares: tuple[float, ...] = CREEPS_OF_LEVEL
     if rising := [one["v_s"] for one in level if one.get("F_s", 0.0) > one["F_c"]]:
@@ -309,12 +314,13 @@ def _slower(command: Trapezoid, share: float, T_s: float, plateau: float) -> Arr
     return slower.sample(t)
 
 
-def _moves(length: float, command: Trapezoid, T_s: float) -> Array:
+def _moves(length: float, command: Trapezoid, T_s: float, least: float = 0.0) -> Array:
     """Return smooth moves forward and backward, three each, with the command's acceleration."""
     duration = max(
         math.sqrt(2.0 * math.pi * length / command.slope),
         2.0 * length / abs(command.height),
         _LEAST * T_s,
+        least,
     )
     n = math.ceil(duration / T_s)
     move = length / (n * T_s) * (1.0 - np.cos(2.0 * np.pi * np.arange(n) / n))
