@@ -3,8 +3,6 @@
 Each worker process of a sweep imports this module, which imports little.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any

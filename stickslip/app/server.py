@@ -1,7 +1,5 @@
 """The server of the workbench: for the browser of this machine, and for whom has the token."""
 
-from __future__ import annotations
-
 import secrets
 import socket
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """What is deployed: the blocks of a learned.json behind one call, and a page of steps."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial

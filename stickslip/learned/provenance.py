@@ -1,7 +1,5 @@
 """Where the numbers of exported code come from, in lines for its head."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from typing import Any

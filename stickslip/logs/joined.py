@@ -4,8 +4,6 @@ Between two logs the position moves on smoothly, for as long as that takes at th
 Nothing is learned there: the recording says which of its samples are those of a log.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any

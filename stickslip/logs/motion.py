@@ -1,7 +1,5 @@
 """Motion of a rigid drive from its log, and how much later one signal shows than another."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Sets of logs of one drive: files, folders, and tables that say what differs from log to log."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Sequence

@@ -6,8 +6,6 @@ of the present loop, and the mean of the ratios on each of them. The median at e
 most where the present loop happens to fit.
 """
 
-from __future__ import annotations
-
 import math
 import threading
 from collections.abc import Callable, Iterable, Sequence

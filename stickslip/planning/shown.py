@@ -1,7 +1,5 @@
 """What an experiment will not show of a drive in its loop, said before it is run."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass

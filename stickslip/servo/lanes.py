@@ -4,8 +4,6 @@ The C of the models is compiled for vectors, see ``models/lanes``. A run that fa
 the FMUs, which say why.
 """
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from ctypes import CDLL, Structure, addressof, byref, c_double, c_int, c_int64, c_void_p

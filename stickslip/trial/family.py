@@ -1,7 +1,5 @@
 """The drives that a log supports, and the commands on which they are tried."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -12,8 +12,6 @@ Cost is the sum in (6), of v - v_r over the training run: v as the encoder shows
 nominal loop, both through the same low-pass.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

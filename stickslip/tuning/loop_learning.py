@@ -10,8 +10,6 @@ The drive shows its encoder only, and a loop that follows the steps of its encod
 well. So the velocity that counts is blended from encoder and motor force.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 

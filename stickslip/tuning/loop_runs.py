@@ -1,7 +1,5 @@
 """Runs of the motion from which the loop is learned, on the drive and on models of it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 

@@ -5,8 +5,6 @@ reference. The largest ratios count most. The search ends with the choice among 
 and the reference, measured with more care than in the search.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

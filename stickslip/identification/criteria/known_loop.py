@@ -4,8 +4,6 @@ The drive FMU represents the candidate: each estimated parameter is set, and its
 encoder are off unless the recording is simulated again with them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple

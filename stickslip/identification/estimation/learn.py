@@ -4,8 +4,6 @@ Search (genetic algorithm, inverse model) -> fit (least squares) -> for a known 
 whitened, and corrected by a parametric bootstrap -> identifiability.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 

@@ -4,8 +4,6 @@ The profile is the deviance when one parameter is held at another value and all 
 again. Near its minimum it is (distance / standard error)^2.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """The global search of friction parameters, and least squares from several starts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Logs of one drive, each checked with the force of position that all of them show together."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """The drives of the arena: a law, true parameters, a loop. What tunes does not see them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

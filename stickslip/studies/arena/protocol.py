@@ -4,8 +4,6 @@ A cell is one entrant on one drive. Its result is kept as soon as it is known, s
 was interrupted goes on where it stopped, to the same bytes.
 """
 
-from __future__ import annotations
-
 import json
 import shutil
 import zipfile

@@ -1,7 +1,5 @@
 """The files of an arena; the best compensator of each drive as FMU, C and structured text."""
 
-from __future__ import annotations
-
 import shutil
 from contextlib import suppress
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The content of learned.json of a recording or log: what was learned, and how it was tried."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Logs that were not learned from, and the force that the learned drive predicts of them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """An experiment on a rig becomes a recording, as a log does."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from stickslip.logs import Controller, Reading, Recording

@@ -1,7 +1,5 @@
 """The tables of what was learned of a log, as the terminal, the page and the files have them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """What ``stickslip tune LEARNED.json`` does: a search of the loop on the drives of the file."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """The page on one recording: what was learned, how, how well, and how to use it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial

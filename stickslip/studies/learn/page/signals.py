@@ -1,7 +1,5 @@
 """The signals of an estimation that the figures draw, and the units in which they read best."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
