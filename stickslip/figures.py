@@ -31,10 +31,7 @@ class Figures:
 
 
 def figure(what: str, of: Figure, result: cosim.Result) -> float:
-    """Return what a function of the user makes of a run.
-
-    Raises CandidateFailed when it raises, or returns no number.
-    """
+    """Return what a function of the user makes of a run; raise CandidateFailed where it fails."""
     try:
         value = of(result)
     except Exception as fault:

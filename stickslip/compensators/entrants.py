@@ -66,10 +66,7 @@ class TunedEntrant:
 
     @property
     def linear_loops(self) -> list[VelocityLoop]:
-        """The loops between which nonlinear damping moves, undamped first.
-
-        Raises ControlError when one is unstable.
-        """
+        """The loops between which nonlinear damping moves, undamped first; raises ControlError."""
         if not self.damping:
             return [self.loop]
         return [self.loop, regulated(self.loop, K_p=self.loop.K_p + self.damping["gamma_v"])]
@@ -121,10 +118,7 @@ def composite(genes: Mapping[str, float], loop: VelocityLoop) -> dict[str, float
 
 
 def regulated(loop: VelocityLoop, **gains: float) -> VelocityLoop:
-    """Return a loop with other gains of its controller: K_p [N s/m], K_i [N/m], K_x [1/s].
-
-    Raises ControlError when it is unstable.
-    """
+    """Return a loop with other gains [N s/m, N/m, 1/s]; raise ControlError when it is unstable."""
     return loop.changed(velocity_filter=None, velocity_feedforward=1.0, **gains)
 
 
@@ -357,10 +351,7 @@ class Entrant:
     def tuned(
         self, genes: Mapping[str, float], loop: VelocityLoop, coarse: Coarse, sheet: Datasheet
     ) -> TunedEntrant:
-        """Return the loop and the parameters of the chain for values of the genes.
-
-        Raises ControlError when the gains leave the loop unstable.
-        """
+        """Return loop and parameters of the chain for values of the genes; raise ControlError."""
         values, damping = dict[str, float](), dict[str, float]()
         loop = self.base(loop)
         for part in self.parts:

@@ -66,10 +66,7 @@ def evaluate(
     phases: Sequence[float] = ONCE,
     workers: int = 1,
 ) -> Evaluation:
-    """Run each motion with each entry at each phase. It may use the true values.
-
-    ``workers`` motions run side by side.
-    """
+    """Run each motion with each entry at each phase, ``workers`` motions side by side."""
     commands = [motion.command.sample(rig.samples(motion.duration)) for motion in motions]
     top = max(float(np.max(np.abs(v_cmd))) for v_cmd in commands)
 

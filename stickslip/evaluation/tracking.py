@@ -142,10 +142,7 @@ class SimulatedMotion:
 
 
 def commanded_velocity(recording: Recording) -> Array:
-    """Return the velocity command (n,) [m/s], or the derivative of the position command.
-
-    Raises UsageError when neither was logged.
-    """
+    """Return the velocity command (n,) [m/s], or the derivative of that of position, or raise."""
     received = recording.controller_inputs.get("v_cmd")
     if received is not None:
         return received
@@ -210,10 +207,7 @@ def remedied(
     drive: LearnedDrive,
     force_limit: float | None = None,
 ) -> dict[str, SimulatedMotion]:
-    """Return the motion without friction by what is changed in the loop; see ``simulate``.
-
-    Changes with which the loop runs away are left out.
-    """
+    """Return the motion without friction by what is changed in the loop, if it stays stable."""
     case = _Case(recording, gains, drive, force_limit)
     found: dict[str, SimulatedMotion] = {}
     v_cmd = commanded_velocity(case.recording)

@@ -222,10 +222,7 @@ def runs_of(
     v_cmd: Array,
     phases: Sequence[float] = ONCE,
 ) -> Iterator[list[Run]]:
-    """Run a velocity command (n,) [m/s], one value a sample, with each of several compensators.
-
-    A simulated drive does so at every phase, and is prepared once.
-    """
+    """Run a velocity command (n,) [m/s] with each compensator; a simulated drive at every phase."""
     if not isinstance(rig, FmuRig):
         for compensator in compensators:
             yield [_moved(rig, loop, compensator, v_cmd)]

@@ -98,10 +98,7 @@ def read_stretch(
 def with_checks(
     reading: Reading, findings: tuple[Finding, ...], *, alone: bool = True
 ) -> tuple[Finding, ...]:
-    """Return the findings of reading a log, and those of checking it.
-
-    Of one of several logs, which is not ``alone``, they do not tell what it shows of the drive.
-    """
+    """Return the findings of reading and checking a log; of several, none about the drive."""
     checks = check_recording(
         reading.recording, reading.controller, reading.force_limit, alone=alone
     )

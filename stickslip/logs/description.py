@@ -79,10 +79,7 @@ GAINS = tuple(field.name for field in fields(Controller) if field.name != "kind"
 
 
 def check_gains(kind: str, gains: Collection[str]) -> None:
-    """Check that a kind of controller has exactly these gains.
-
-    Raises UsageError when the kind or a gain is unknown, or one is missing or superfluous.
-    """
+    """Raise UsageError unless a kind of controller is known and has exactly these gains."""
     if kind not in get_args(Kind):
         raise UsageError(f"controller '{kind}': expected one of {', '.join(get_args(Kind))}")
     for name in gains:

@@ -349,10 +349,7 @@ def _spaced(name: str) -> str:
 
 
 def _split_suffix(name: str) -> tuple[str, str | None]:
-    """Return a name without its unit, and the unit; the index of a symbol is none.
-
-    A name that is a unit, such as millis, remains.
-    """
+    """Return a name without its unit, and the unit; an index or a name like millis is none."""
     words = [word for word in _spaced(name).split("_") if word]
     for count in (3, 2, 1):
         head, tail = "_".join(words[:-count]), words[-count:]

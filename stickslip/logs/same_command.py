@@ -88,10 +88,7 @@ def _highest(values: Array, lags: NDArray[np.intp]) -> list[int]:
 
 
 def _difference(first: Array, second: Array) -> tuple[NDArray[np.intp], Array]:
-    """Return lags, and the mean square difference of the commands at each, relative to their own.
-
-    It is 1 where the overlap has no motion.
-    """
+    """Return lags, and the commands' mean square difference at each, relative to their own."""
     lags = correlation_lags(len(first), len(second))
     product, own, other, count = (
         correlate(a, b, method="fft")

@@ -44,10 +44,7 @@ class LogTable:
         return LogTable(self.path, self.names, {}, scalars=self.scalars, rows=numbers)
 
     def find(self, key: str | int, role: str) -> str:
-        """Return the name of the column with a name or a number from 1.
-
-        Raises RecordingError when there is none, or several only differ in case.
-        """
+        """Return the name of the column with a name or a number from 1; raise RecordingError."""
         if isinstance(key, str) and key in self.names:
             return key
         if isinstance(key, int) or key.isdecimal():
@@ -64,10 +61,7 @@ class LogTable:
         raise RecordingError(f"{self.path}: {role}: no column '{key}'{suggestion(key, self.names)}")
 
     def value(self, product: Product, what: str) -> float:
-        """Return the value of a product, whose factors may name scalars of the file.
-
-        Raises UsageError when a factor is neither number nor name, or the value is not finite.
-        """
+        """Return the value of a product of numbers and scalars of the file; raise UsageError."""
         value = 1.0
         for factor in str(product).split("*"):
             name = factor.strip()
@@ -126,10 +120,7 @@ def clock_seconds(texts: Sequence[str]) -> Array:
 
 
 def filetime_seconds(texts: Sequence[str]) -> Array | None:
-    """Return seconds (n,) since the first of counts of 100 ns since 1601, None for other numbers.
-
-    Doubles would round such counts to 1.6 us.
-    """
+    """Return exact seconds since the first of counts of 100 ns since 1601, else None."""
     if not (texts and all(text.isdecimal() for text in texts) and float(texts[0]) > FILETIME):
         return None
     first = int(texts[0])

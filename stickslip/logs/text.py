@@ -206,10 +206,7 @@ class _Lines:
 def _columns(
     lines: _Lines, dialect: Dialect, head: Header, findings: list[Finding]
 ) -> tuple[list[_Column], NDArray[np.intp]]:
-    """Return the columns below a header, and the numbers (n,) of their rows.
-
-    Raises RecordingError when a row has a wrong length and is not the last.
-    """
+    """Return the columns below a header, and the numbers (n,) of their rows; RecordingError."""
     columns = [_Column() for _ in range(head.width)]
     numbered = [np.empty(0, dtype=np.intp)]
     wrong: dict[int, int] = {}
@@ -314,10 +311,7 @@ def _timed(head: Header) -> str | None:
 
 
 def _scaled(t: Array, column: _Column, head: Header, k: int = 0) -> Array:
-    """Return times (n,) in s where the header has titled rows, else as they are.
-
-    They are in ms, or in the unit that agrees with the sample period of the header.
-    """
+    """Return times (n,) in s: from ms, or the unit of the header's period, below titled rows."""
     if is_clock(column.first):
         return clock_seconds(column.texts)
     if (counted := filetime_seconds(column.texts)) is not None:

@@ -39,10 +39,7 @@ class DriveLoop:
 
     @classmethod
     def of(cls, learned: LearnedFile) -> Self:
-        """Return the loop of a file with what was written for it.
-
-        Raises UsageError when the file has no loop.
-        """
+        """Return the loop of a file with what was written for it; raise UsageError without."""
         if learned.loop is None:
             raise UsageError(
                 f"{learned.path}: contains no loop; learn with the controller of the log, "

@@ -40,10 +40,7 @@ EXCESS = 1e3  # cost of a candidate beyond a limit, times by how much
 
 
 class FamilyCost(ExitStack):
-    """The cost of candidates, and what they do on the whole family.
-
-    Use it in a ``with`` block.
-    """
+    """The cost of candidates, and what they do on the whole family; to be used in ``with``."""
 
     fatal = (cosim.CosimError,)
 

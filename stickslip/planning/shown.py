@@ -43,10 +43,7 @@ def not_shown(
     stretches: Iterable[Stretch],
     length: tuple[str, float] = ("m", 1.0),
 ) -> Iterator[str]:
-    """Yield a sentence for each limit of what will show, as far as the data sheet tells.
-
-    ``length`` is the name of the unit of length and its value in m.
-    """
+    """Yield a sentence for each limit of what will show; ``length`` is a unit and its value [m]."""
     samples = sum(one.end - one.begin for one in stretches if "v_s" in one.part.shows)
     lasts = samples / limits.rate
     creep = 0.25 * lasts / levels(lasts)  # time for which each speed is held [s]

@@ -131,10 +131,7 @@ class Picture:
         return cls(png.getvalue(), svg.getvalue(), width, panels(figure))
 
     def embedded(self) -> str:
-        """Return the picture as a data URI, which needs no further file.
-
-        As an image of its own its ids and styles do not meet those of the page.
-        """
+        """Return the picture as a data URI, so that its ids and styles do not meet the page's."""
         return "data:image/svg+xml;base64," + base64.b64encode(self.svg).decode("ascii")
 
 

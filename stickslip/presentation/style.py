@@ -81,10 +81,7 @@ def _boxes() -> Iterator[None]:
 
 @contextmanager
 def house_style() -> Iterator[None]:
-    """Draw and save in the house style; matplotlib's own settings are back afterwards.
-
-    They are global, so only one thread at a time draws.
-    """
+    """Draw and save in the house style, which is global: only one thread at a time draws."""
     with _LOCK, mpl.rc_context(), _boxes():
         mpl.rcdefaults()
         mpl.rcParams.update(_STYLE)

@@ -90,10 +90,7 @@ def share(name: str, head: str, unit: str = "") -> Column:
 
 
 def scaled(name: str, scale: Callable[[Row], Scale], head: str, text: str | None = None) -> Column:
-    """Return a column of values in the unit in which those of a row read best.
-
-    A terminal shows the same, unless a format of the value is given.
-    """
+    """Return a column in the unit in which it reads best, on a terminal, too, unless formatted."""
 
     def shown(row: Row) -> str:
         return number(scale(row).factor * row[name], 3)

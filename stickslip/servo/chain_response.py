@@ -65,10 +65,7 @@ class Robustness:
 def sliding(
     loop: VelocityLoop, friction: float, samples: int, speed: float = SPEED
 ) -> dict[str, Array]:
-    """Return what a compensator sees in motion at constant speed against a friction [N], by role.
-
-    Arrays are (samples,).
-    """
+    """Return what compensators see (samples,) at constant speed against a friction [N], by role."""
     v, force = np.full(samples, speed), np.full(samples, friction + loop.axis.b * speed)
     x = np.asarray(speed * loop.T_s * np.arange(samples), dtype=float)
     return {"v_ref": v, "x_enc": x, "F_motor": force, "v_est": v, "u": force}

@@ -119,10 +119,7 @@ def servo_loop(fmus: Path, loop: VelocityLoop) -> cosim.System:
 
 
 def feedforward(fmus: Path, loop: VelocityLoop, compensator: Mapping[str, float]) -> cosim.System:
-    """Return nominal loop and compensator without a drive, with the inputs of ``loop.commands``.
-
-    The compensator is its parameters by name.
-    """
+    """Return nominal loop and compensator alone, with the inputs of ``loop.commands``."""
     system = cosim.System("feedforward")
     chain = [Compensator("compensator", "compensator", compensator)]
     system.add("nominal", fmus / "nominal_loop.fmu", nominal_parameters(loop))
@@ -178,10 +175,7 @@ def build_loop(
 def lone_chain(
     fmus: Path, loop: VelocityLoop, compensators: Sequence[Compensator]
 ) -> tuple[cosim.System, str]:
-    """Return compensators without a loop, and the name of the last one's force.
-
-    The inputs are the roles of the signals that they take, such as ``x_enc``.
-    """
+    """Return compensators without a loop, its inputs named by role, and the last one's force."""
     system = cosim.System("chain")
     force, referenced = _add_chain(system, fmus, loop, compensators)
     taken: dict[str, list[str]] = {"v_ref": referenced}

@@ -104,10 +104,7 @@ def _name(command: Command) -> str:
 
 
 def hash_of(path: Path) -> str:
-    """Return the SHA-256 of a plain file.
-
-    Raises OSError when it is absent, is a link or not a file, or cannot be read.
-    """
+    """Return the SHA-256 of a plain file; raise OSError when it is none, or cannot be read."""
     require_regular_file(path)
     return digest(path)
 
@@ -143,10 +140,7 @@ def refuse_foreign(folder: Path, names: Iterable[str]) -> None:
 
 
 def refuse_places(folder: Path, name: str) -> None:
-    """Refuse to put a file where a link, a folder or a file is in its way.
-
-    Raises OSError when there is one; it names it.
-    """
+    """Raise OSError, which names it, where a link, folder or file is in the place of a file."""
     for place in [folder / parent for parent in Path(name).parents[-2::-1]]:
         if place.is_symlink() or (place.exists() and not place.is_dir()):
             raise OSError(errno.ENOTDIR, "is in the way, expected a folder", str(place))

@@ -178,10 +178,7 @@ def files_in(folder: Path) -> list[str]:
 
 
 def remove_results(folder: Path) -> None:
-    """Delete the files that the manifest lists, the manifest, and what folders are empty then.
-
-    Files that someone has changed or added stay.
-    """
+    """Delete the unchanged files of the manifest, the manifest, and folders then empty."""
     with suppress(ResultsError), locked(folder):
         manifest = Manifest.read(folder)
         ours = unchanged(folder, manifest, manifest.sha256.keys())

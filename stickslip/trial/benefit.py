@@ -116,10 +116,7 @@ def feedforward(
 
 @dataclass(frozen=True)
 class TrialError:
-    """RMS error [m/s] or [m] on one simulated drive, without and with compensation.
-
-    Errors are against the motion of the loop without friction.
-    """
+    """RMS error [m/s] or [m] on a simulated drive, against its loop without friction."""
 
     speed: float  # largest of the command [m/s]
     drive: str  # how its friction differs from the fitted one
@@ -541,10 +538,7 @@ def bench_of(
 
 
 class LoopRuns(ExitStack):
-    """A loop with a chain of compensators: its runs on drives of any law, in lanes if possible.
-
-    Use it in a ``with`` block.
-    """
+    """A loop with compensators: its runs on drives of any law, in lanes if possible."""
 
     def __init__(
         self,

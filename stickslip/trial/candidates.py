@@ -148,10 +148,7 @@ class CompensatorComparison:
 
 
 def offered(law: Law, absent: Sequence[str] = ()) -> dict[str, Part]:
-    """Return the parts of compensators of a law by name, feedforward first.
-
-    ``absent`` are the signals of ``SIGNALS`` that the controller lacks.
-    """
+    """Return parts of compensators of a law by name, without those of ``absent`` signals."""
     lacking = {SIGNALS[name] for name in absent}
     found = {
         name: part
@@ -403,10 +400,7 @@ class _Candidates(ExitStack):
         return [float(value) for value in np.geomspace(low, high, GRID)]
 
     def _searched(self, part: Part, values: Mapping[str, float]) -> float:
-        """Return the first gene with the least product of peak sensitivity and expected error.
-
-        It is 0 where no value is better than no observer.
-        """
+        """Return the first gene with the least product of Ms and error; 0 where none is better."""
         gene, *_ = part.ranges
         weights = self.bench.datasheet.encoder_step, self.F_c, FORCE_NOISE * self.F_c
 

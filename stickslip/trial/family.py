@@ -291,10 +291,7 @@ def _base(drive: Drive) -> str:
 
 
 def _creep(command: Trapezoid, share: float, T_s: float, bent: float) -> Array:
-    """Return creep at a share of a command's speed, long enough for a loop to break away.
-
-    The loop does that when the command is ``bent`` [m] ahead.
-    """
+    """Return creep at a share of a command's speed, until it is ``bent`` [m] ahead."""
     held = SLIPS[0] * bent / (share * abs(command.height))
     return _slower(command, share, T_s, max(command.plateau, min(held, SLIPS[1])))
 

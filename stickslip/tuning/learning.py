@@ -191,10 +191,7 @@ class Fit:
 
 
 def fit(study: Study, runs: Runs) -> Fit:
-    """Fit the parameters to runs and to the study's start.
-
-    The start enters with its standard errors, as further equations.
-    """
+    """Fit the parameters to runs and, weighted by its standard errors, to the study's start."""
     names, space = tuple(study.start), study.space
     # The variables of the fit are the coordinates of the law's parameters, all of them logarithms.
     to_logs = np.array([space.direction(name)[: len(names)] for name in names])

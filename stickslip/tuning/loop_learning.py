@@ -172,10 +172,7 @@ def learn_loop(
     on_generation: Callable[[ga.Optimiser], object] | None = None,
     workers: int = 1,
 ) -> LearnedLoop:
-    """Search the loop, run the best candidates again, and choose.
-
-    Raises ga.NothingLearned, ga.Interrupted as ``ga.learn``.
-    """
+    """Search the loop, run the best candidates again, and choose; raise what ``ga.learn`` does."""
     algorithm = study.optimiser()
     with LoopCost(study) as cost:
         search(algorithm, cost, workers, on_generation)

@@ -106,10 +106,7 @@ def position_of(recording: Recording) -> Array:
 
 
 def measured_force(recording: Recording) -> Array:
-    """Return the force (n,) [N] of motor or friction, without what is known of it otherwise.
-
-    Raises UsageError when none was logged.
-    """
+    """Return the force (n,) [N] of motor or friction, less what is known of it otherwise."""
     for signal in (recording.force, recording.friction, recording.force_command):
         if signal is not None:
             return recording.moving(signal)

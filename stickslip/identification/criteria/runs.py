@@ -113,10 +113,7 @@ class Runs(Closing):
             return error
 
     def each(self, function: Callable[[T], R], items: Sequence[T]) -> list[R]:
-        """Apply a function that runs this system to every item, several at a time.
-
-        A single one needs no thread, so that a function may ask for a run itself.
-        """
+        """Apply a function that runs this system to every item, several at a time."""
         if self._threads is None or len(items) < 2:
             return list(map(function, items))
         return self._threads.each(function, items)

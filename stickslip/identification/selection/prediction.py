@@ -58,10 +58,7 @@ class Candidate:
 
 
 def candidates() -> tuple[Candidate, ...]:
-    """Return Coulomb and viscous friction alone, then the laws with ``candidate``, LuGre first.
-
-    The first is the level case of a law that has a static curve and no presliding.
-    """
+    """Return Coulomb and viscous friction alone, which is no law, then the laws, LuGre first."""
     every = map(friction_law, dict.fromkeys(("lugre", *models.law_names())))
     laws = [law for law in every if law.is_candidate]
     static = [law for law in laws if not presliding(law) and ParameterSpace.of(law).bounded]

@@ -48,10 +48,7 @@ class Refused:
 
 
 def check_logs(logs: Sequence[Log], *, alone: bool | None = None) -> Iterator[Checked | Refused]:
-    """Yield each log, read and checked.
-
-    Of one of several logs, which is not ``alone``, it is not told what it shows of the drive.
-    """
+    """Yield each log, read and checked; one of several does not tell what it shows."""
     share = min(1.0, log_content.TOGETHER / len(logs))
     read = [_read(log, share) for log in logs]
     sound = [one for one in read if isinstance(one, Checked) and not _errors(one.findings)]

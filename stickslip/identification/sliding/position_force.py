@@ -138,10 +138,7 @@ def with_position_force(recording: Recording, found: PositionForce | None = None
 
 
 def find_position_force(recording: Recording) -> PositionForce | None:
-    """Return the force of position that a recording shows, None where it shows none.
-
-    The recording is in SI units: an arm's weight is that at an angle in rad.
-    """
+    """Return the force of position that a recording in SI units shows, None where it shows none."""
     if recording.force is None or len(recording.t) < 8 * curve_shown.ROWS:
         return None
     signals = (position_of(recording).tobytes(), recording.force.tobytes())
@@ -267,10 +264,7 @@ class _Rest:
         return float(np.mean((self.force - columns @ found) ** 2)), np.asarray(found[1:])
 
     def pitch(self, *, gravity: bool) -> float | None:
-        """Return the pitch of which three harmonics explain most; None where none fits.
-
-        The strongest wave is the first, second or third harmonic.
-        """
+        """Return the pitch of which three harmonics explain most; None where none fits."""
         travel = float(np.ptp(self.x))
         strongest = self._strongest(gravity=gravity)
         orders = tuple(range(1, HARMONICS + 1))

@@ -125,10 +125,7 @@ def study_as_published(
     settings: ga.Settings = ga.PAPER,  # of the algorithm as published
     on_stage: Callable[[str], object] = lambda _: None,
 ) -> PublishedStudy:
-    """Learn from the coarse start of each seed, as published and by least squares.
-
-    The result does not depend on ``workers``, which learn side by side.
-    """
+    """Learn from the coarse start of each seed, as published and by least squares, side by side."""
     loop = identification.loop
     settings_of = {OURS: settings, LOGARITHMIC: replace(settings, encoding="log")}
     methods = (START, OURS, LOGARITHMIC, SQUARES)

@@ -48,10 +48,7 @@ class RecordReproduction(BaseResult):
 
 
 def loops_of_drive(sheet: Datasheet, estimation: Estimation) -> Loops:
-    """Return the paper's loop for a learned axis, and that with velocity filter and inertia.
-
-    Raises ControlError when the loop cannot be designed.
-    """
+    """Return the paper's loop for a learned axis, and that with velocity filter and inertia."""
     known = estimation.known
     plain = design_velocity_loop(sheet.axis(known["m"].value, max(known["b"].value, 0.0)), LOOP)
     F_c = estimation.compensator["F_c"]

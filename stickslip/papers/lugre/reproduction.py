@@ -112,10 +112,7 @@ def build_rig(options: Options, fmus: Path, progress: Progress) -> FmuRig:
 
 
 def validated(options: Options, rig: FmuRig, learned: Learned, progress: Progress) -> BaseResult:
-    """Run the trapezoid on the drive without and with what was learned; join the truth.
-
-    Raises stickslip.servo.axis.ControlError when no loop could be designed.
-    """
+    """Run the trapezoid without and with what was learned, and join the truth; ControlError."""
     plain, loop, _ = learned.designed
     progress.stage("validating")
     validation = validate(rig, loop, learned.friction, VALIDATION, plain=plain, phases=PHASES)

@@ -1,7 +1,4 @@
-"""The tables of the reproduction, as terminal and page show them.
-
-In Table 2 the truth of the drive enters.
-"""
+"""The tables of the reproduction, as terminal and page show them; Table 2 shows the truth."""
 
 from collections.abc import Callable, Mapping
 from functools import partial

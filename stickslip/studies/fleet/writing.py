@@ -30,10 +30,7 @@ PAGE, SUMMARY_TABLE = "fleet.html", "summary.csv"
 
 
 def fleet_table(fleet: Fleet) -> Table:
-    """Return what was learned, in SI units.
-
-    ``low`` and ``high`` bound the 95 % interval. A drive that failed has its name and the reason.
-    """
+    """Return what was learned in SI units, with 95 % intervals; of a failure name and reason."""
     rows: list[dict[str, Any]] = []
     for drive in fleet.drives:
         if drive.name in fleet.reasons:

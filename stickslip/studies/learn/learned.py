@@ -274,10 +274,7 @@ def learn_recording(
     settings: LearnSettings,
     progress: Progress = SILENT,
 ) -> LearnedFromRecording:
-    """Estimate a drive from a recording and design its loops.
-
-    Raises IdentificationError when the recording does not show a drive that slides.
-    """
+    """Estimate a drive that slides from a recording, or raise, and design its loops."""
     position_force, choice = find_position_force(recording), None
     recording = with_position_force(recording)
     recording, differing = with_log_offsets(recording)

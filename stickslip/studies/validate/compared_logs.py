@@ -70,10 +70,7 @@ class LogComparison:
 
 
 def common(without: Recording, compensated: Recording) -> tuple[Recording, list[Overlap]]:
-    """Return the second log on the sampling of the first, and where both have the same command.
-
-    Raises UsageError when the commands differ, or one was not logged.
-    """
+    """Return the second log on the first's sampling, and where both have the same command."""
     compensated = resampled(compensated, without.T_s)
     first, second = commanded_velocity(without), commanded_velocity(compensated)
     edge = round(EDGE / cutoff(without.T_s) / without.T_s)

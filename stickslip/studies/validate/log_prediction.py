@@ -110,10 +110,7 @@ def predict_log(
     drive: LearnedDrive,
     errors: Mapping[str, float],  # standard errors of the drive's parameters by name
 ) -> LogPrediction:
-    """Return what a learned drive predicts of a log.
-
-    Raises UsageError when the log lacks a motion or a force.
-    """
+    """Return what a learned drive predicts of a log; UsageError where it lacks motion or force."""
     scale = recording_scale(recording)
     scaled_gains = None if gains is None else scale.values(gains)
     scaled, values = scale.recording(recording), scale.values(drive.values)
