@@ -12,14 +12,7 @@ from stickslip import cosim, models
 from stickslip.catalog.parameters import start_unit, unit_of
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.fmi.process import temporary_folder
-from stickslip.learned.writing import (
-    SCHEMA,
-    component_entry,
-    law_entry,
-    loop_document,
-    validation_document,
-    versions,
-)
+from stickslip.learned import writing
 from stickslip.papers.lugre.page import FIG5, study_section, write_report
 from stickslip.papers.lugre.page import FILES as REPORT
 from stickslip.papers.lugre.published import START, TABLES, PublishedStudy
@@ -126,7 +119,7 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
     """Return the content of learned.json as plain data, values in SI units."""
     learned, options = reproduction.refinement, reproduction.options
     return {
-        "schema": SCHEMA,
+        "schema": writing.SCHEMA,
         "parameters": state(learned.estimates, unit_of),
         "result": learned.chosen,
         "slow_motions": learned.remark or None,
@@ -135,11 +128,11 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
         "runs": learned.runs,
         "seed": options.seed,
         "preset": options.preset,
-        "loop": loop_document(reproduction.identification.loop),
+        "loop": writing.loop_document(reproduction.identification.loop),
         "loop_learning": _loop_learning_entry(reproduction),
-        "validation": validation_document(VALIDATION),
-        **law_entry(reproduction.identification.law),
-        "versions": versions(),
+        "validation": writing.validation_document(VALIDATION),
+        **writing.law_entry(reproduction.identification.law),
+        "versions": writing.versions(),
     }
 
 
@@ -162,11 +155,13 @@ def _loop_learning_entry(reproduction: Reproduction) -> dict[str, Any]:
             for model in reproduction.loops.study.models  # on which candidates ran
         ],
         "genes": state(best.genes, {g.name: g.unit for g in GENES}),
-        "loop": loop_document(best.tuned.loop),
+        "loop": writing.loop_document(best.tuned.loop),
         "share": {"value": best.tuned.share, "unit": "1"},
         "feedforward": _friction_entry(best.tuned.law.name, best.tuned.friction),
     }
-    return found | {one.name: component_entry(one, rotary=False) for one in best.tuned.chain()[1:]}
+    return found | {
+        one.name: writing.component_entry(one, rotary=False) for one in best.tuned.chain()[1:]
+    }
 
 
 def _friction_entry(law: str, friction: Mapping[str, float]) -> dict[str, Any]:

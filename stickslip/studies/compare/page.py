@@ -15,27 +15,18 @@ from stickslip.identification.fitting.identifiability import (
     NOT_IDENTIFIABLE,
     WEAKLY_IDENTIFIABLE,
 )
+from stickslip.presentation import style
 from stickslip.presentation.interactive import name_points
 from stickslip.presentation.markup import Html
 from stickslip.presentation.page import MADE_WITH, Section
-from stickslip.presentation.style import (
-    GREY,
-    LINE,
-    PAGE,
-    THIN,
-    WITH,
-    WITHOUT,
-    log_ticks,
-    new_figure,
-)
 from stickslip.presentation.table import Table
 from stickslip.servo.measurement import Array
 from stickslip.studies.compare.tables import readable_unit
 
 LOOKS = {
-    NOT_IDENTIFIABLE: (GREY, "white", THIN),
-    WEAKLY_IDENTIFIABLE: (WITHOUT, WITHOUT, LINE),
-    IDENTIFIABLE: (WITH, WITH, LINE),
+    NOT_IDENTIFIABLE: (style.GREY, "white", style.THIN),
+    WEAKLY_IDENTIFIABLE: (style.WITHOUT, style.WITHOUT, style.LINE),
+    IDENTIFIABLE: (style.WITH, style.WITH, style.LINE),
 }
 """Colour of the line and of the inside of the dot, and width of the line [pt]."""
 NUMBERS = ("value", "low", "high")
@@ -93,7 +84,7 @@ def drives_figure(table: pd.DataFrame) -> Figure:
     )
     rows = -(-len(panels) // COLUMNS)
     height = min(max(PITCH * len(names), 12.0), LONGEST / rows)
-    figure = new_figure(PAGE, 12.0 + rows * (height + 17.0))
+    figure = style.new_figure(style.PAGE, 12.0 + rows * (height + 17.0))
     first: Axes | None = None
     for k, (key, of_it) in enumerate(panels):
         parameter, unit = key
@@ -120,7 +111,7 @@ def _draw(axes: Axes, table: pd.DataFrame, line: Array) -> None:
     low, high = _range(table)
     if low > 0.0 and high > DECADES * low:
         axes.set_xscale("log")
-        log_ticks(axes.xaxis, low, high)
+        style.log_ticks(axes.xaxis, low, high)
         low, high = low / (high / low) ** ROOM, high * (high / low) ** ROOM
     else:
         room = ROOM * (high - low) or 0.1 * abs(high) or 1.0

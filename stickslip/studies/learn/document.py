@@ -6,15 +6,7 @@ from typing import Any
 from stickslip.catalog.parameters import start_unit, unit_of
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.identification.sliding.friction_curve import FrictionCurve
-from stickslip.learned.writing import (
-    OBSERVER_MODEL,
-    SCHEMA,
-    component_entry,
-    law_entry,
-    loop_document,
-    validation_document,
-    versions,
-)
+from stickslip.learned import writing
 from stickslip.models.export.units import motion_unit
 from stickslip.output import plain
 from stickslip.storage.codec import encode, state
@@ -29,7 +21,7 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
     estimation, loop = learned.estimation, learned.known_loop
     rotary = estimation.recording.rotary
     document: dict[str, Any] = {
-        "schema": SCHEMA,
+        "schema": writing.SCHEMA,
         "parameters": tables.parameters(estimation).by_key(),
         "F_0": {"value": estimation.F_0, "unit": unit_of("F_c", rotary=rotary)},
         "delay": {"value": estimation.delay, "unit": "s"},
@@ -59,10 +51,10 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         document["position_force"] = tables.position_force(estimation).by_key()
     if loop is not None:
         document |= {
-            "loop": loop_document(loop),
-            "validation": validation_document(VALIDATION, rotary=rotary),
+            "loop": writing.loop_document(loop),
+            "validation": writing.validation_document(VALIDATION, rotary=rotary),
         }
-    return document | law_entry(estimation.law) | {"versions": versions()}
+    return document | writing.law_entry(estimation.law) | {"versions": writing.versions()}
 
 
 def curve_document(curve: FrictionCurve, *, rotary: bool) -> dict[str, Any]:
@@ -114,11 +106,11 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
         document["predicted_error"] = tables.predicted(chosen.benefit).records()
     one = learned.feedforward
     if (one.model, one.law) != trial.benefit.variant.feedforward_kind:
-        entry = component_entry(one, rotary=rotary)
+        entry = writing.component_entry(one, rotary=rotary)
         document["feedforward"] = entry | {"share": _share_entry(benefit)}
     return document | {
         "observer": _observer_entry(learned, chosen, rotary=rotary),
-        "validation": validation_document(trial.command, rotary=rotary),
+        "validation": writing.validation_document(trial.command, rotary=rotary),
         "datasheet": encode(trial.datasheet, of_drive),
         "family": encode(trial.drives, of_drive),
         "tracking_error": plain(trial.table()),
@@ -135,8 +127,8 @@ def _observer_entry(learned: LearnedFromRecording, chosen: Row, *, rotary: bool)
     """Return the observer that is written, or why there is none."""
     entry: dict[str, Any] = {"refusal": learned.observer_refusal}
     if designed := chosen.designed:
-        component = component_entry(designed.observer, rotary=rotary)
-        if component["model"] == OBSERVER_MODEL:
+        component = writing.component_entry(designed.observer, rotary=rotary)
+        if component["model"] == writing.OBSERVER_MODEL:
             del component["model"]
         entry |= {
             **component,

@@ -15,12 +15,7 @@ from statistics import geometric_mean
 import numpy as np
 
 from stickslip.errors import LimitError, UsageError
-from stickslip.evaluation.tracking import (
-    LearnedDrive,
-    feedforward,
-    measured_errors,
-    measured_velocity,
-)
+from stickslip.evaluation import tracking
 from stickslip.learned.file import LearnedFile
 from stickslip.logs import Recording
 from stickslip.loops.drive_loop import DriveLoop
@@ -147,7 +142,7 @@ def _with(found: TunedDrive, taken: Step | None) -> TunedDrive:
 def _least_errors(step: float, T_s: float) -> tuple[float, float]:
     """Return the errors of velocity [m/s] and position [m] that steps of an encoder [m] show."""
     places = step * (np.random.default_rng(0).random(4096) - 0.5)
-    return float(np.std(measured_velocity(places, T_s))), step / math.sqrt(12.0)
+    return float(np.std(tracking.measured_velocity(places, T_s))), step / math.sqrt(12.0)
 
 
 class RigTest:
@@ -169,8 +164,8 @@ class RigTest:
         v_cmd = np.append(motion.v_cmd, np.zeros(self._hold))
         added = None
         if one.feedforward is not None:
-            drive = LearnedDrive(one.law.name, {}, one.feedforward, one.loop)
-            added = feedforward(self._recording(v_cmd, *np.zeros((2, len(v_cmd)))), drive)
+            drive = tracking.LearnedDrive(one.law.name, {}, one.feedforward, one.loop)
+            added = tracking.feedforward(self._recording(v_cmd, *np.zeros((2, len(v_cmd)))), drive)
         return Command(self._T_s, one.loop, velocity=v_cmd, added_force=added)
 
     def run(self, one: DriveLoop, name: str, motion: Motion) -> str:
@@ -184,7 +179,7 @@ class RigTest:
             return f"{name}, {motion.name}: {fault}"
         v_cmd = command.signals["v_cmd"]
         x_cmd = command.signals.get("x_cmd", np.zeros_like(v_cmd))
-        shown = measured_errors(self._recording(v_cmd, log.x_enc, log.F_m), v_cmd, x_cmd)
+        shown = tracking.measured_errors(self._recording(v_cmd, log.x_enc, log.F_m), v_cmd, x_cmd)
         errors = [float(np.sqrt(np.mean(e**2))) for e in shown[: 2 if one.loop.K_x else 1]]
         rest, step = log.x_enc[-self._hold // 2 :], self.rig.datasheet.encoder_step
         unit = one.loop.axis.unit("um")
