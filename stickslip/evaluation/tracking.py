@@ -5,8 +5,6 @@ of any kind, runs the drive FMU with the learned values along the log's commands
 force depends on the command only, so it is computed first and added to the controller's.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
@@ -41,7 +39,7 @@ class TrackingError:
     position_max: float  # [m]
 
     @classmethod
-    def of(cls, velocity: Array, position: Array) -> TrackingError:
+    def of(cls, velocity: Array, position: Array) -> "TrackingError":
         """Return it for errors (n,) of velocity [m/s] and position [m]."""
         return cls(*_size(velocity), *_size(position))
 

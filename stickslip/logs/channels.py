@@ -1,7 +1,5 @@
 """Columns in SI units."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -44,7 +42,7 @@ class Channel:
     offset: Product = 0.0  # in SI units
 
     @classmethod
-    def of(cls, table: LogTable, description: Description, role: str, source: str) -> Channel:
+    def of(cls, table: LogTable, description: Description, role: str, source: str) -> "Channel":
         """Return the channel of a column."""
         given, unit = description.column(role), unit_of(table, description, role, source)
         scale = _implied_scale(description, role, unit) if given.scale is None else given.scale

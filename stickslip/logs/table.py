@@ -1,7 +1,5 @@
 """The table that a log's file holds, before its columns have roles; points in time as seconds."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -38,7 +36,7 @@ class LogTable:
         """Return the number in the file of the k-th value."""
         return k + 1 if self.rows is None else int(self.rows[k])
 
-    def part(self, rows: NDArray[np.intp]) -> LogTable:
+    def part(self, rows: NDArray[np.intp]) -> "LogTable":
         """Return a table without columns that has some rows (k,) of this one."""
         numbers = rows + 1 if self.rows is None else self.rows[rows]
         return LogTable(self.path, self.names, {}, scalars=self.scalars, rows=numbers)

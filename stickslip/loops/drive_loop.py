@@ -1,7 +1,5 @@
 """The loop of a learned drive as what is tuned: parameters of its FMUs by name."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Self
@@ -140,7 +138,7 @@ class DriveLoop:
             high = min(high, own.maximum)
         return low, high
 
-    def with_values(self, genes: Mapping[str, float]) -> DriveLoop:
+    def with_values(self, genes: Mapping[str, float]) -> "DriveLoop":
         """Return the loop with other values; raise ControlError when it is unstable."""
         gains = {n: genes[f"controller.{n}"] for n in GAINS if f"controller.{n}" in genes}
         loop = self.loop.changed(**gains) if gains else self.loop

@@ -6,8 +6,6 @@ The page holds its figures and its style, and needs no network. Each figure is a
 and SVG, and opens to be zoomed where it has long lines. The same sections give the same bytes.
 """
 
-from __future__ import annotations
-
 import base64
 import io
 import platform
@@ -48,7 +46,7 @@ class Section:
         self.title, self.content = title, content
         self.figures, self.values = figures or {}, values
 
-    def markup(self, pictures: Mapping[str, Picture]) -> Html:
+    def markup(self, pictures: "Mapping[str, Picture]") -> Html:
         """Return the section with its figures as drawn."""
 
         def figure(name: str, alternative: str, caller: Callable[[], Html]) -> Html:
@@ -62,7 +60,7 @@ class Section:
         return Html(parts.section(self.title, content)) if self.title else content
 
 
-def render(title: str, sections: Iterable[Section], pictures: Mapping[str, Picture]) -> str:
+def render(title: str, sections: Iterable[Section], pictures: "Mapping[str, Picture]") -> str:
     """Return a page as HTML; the figures are in the order of their numbers."""
     opened = {name: picture.panels for name, picture in pictures.items() if picture.panels}
     return fill(
@@ -119,7 +117,7 @@ class Picture:
     panels: list[Panel] = field(default_factory=list)  # what a page draws when the figure is opened
 
     @classmethod
-    def of(cls, draw: Callable[[], Figure]) -> Picture:
+    def of(cls, draw: Callable[[], Figure]) -> "Picture":
         """Draw a figure in the house style."""
         with house_style():
             figure = draw()

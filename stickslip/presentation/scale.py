@@ -1,7 +1,5 @@
 """Units in which signals and parameters read best, and signals thinned to what figures resolve."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,7 +45,7 @@ class Scale:
     unit: str
 
     @classmethod
-    def of(cls, size: float, unit: str) -> Scale:
+    def of(cls, size: float, unit: str) -> "Scale":
         """Return the prefix with which a size in an SI unit, as printed, reads as 1 or more."""
         fitting = (prefix for prefix in PREFIXES if SLACK * prefix <= size)
         prefix = next(fitting, min(PREFIXES)) if size > 0.0 else 1.0

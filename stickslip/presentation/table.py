@@ -13,8 +13,6 @@ A row has values in SI units by the name of their column. A column is not shown 
 description: without ``text`` not on a terminal, without ``head`` not on a page.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -111,7 +109,7 @@ class Table:
     rows: Sequence[Row]
 
     @classmethod
-    def of(cls, columns: Sequence[Column], frame: pd.DataFrame) -> Table:
+    def of(cls, columns: Sequence[Column], frame: pd.DataFrame) -> "Table":
         """Return a table with the rows of a DataFrame."""
         rows: Any = frame.to_dict("records")
         return cls(columns, rows)

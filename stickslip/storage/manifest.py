@@ -1,7 +1,5 @@
 """What belongs to a folder of results: which command wrote which files, and their hashes."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os
@@ -32,7 +30,7 @@ class Manifest:
     # by the names of files that other commands wrote: the command
     earlier: Mapping[str, Command] = field(default_factory=dict)
 
-    def followed_by(self, later: Manifest, removed: Collection[str]) -> Manifest:
+    def followed_by(self, later: "Manifest", removed: Collection[str]) -> "Manifest":
         """Return the manifest after another command has written its set into the folder.
 
         The set that the same command wrote before goes; files of other commands stay, but for
@@ -59,7 +57,7 @@ class Manifest:
         return json.dumps(content, indent=2) + "\n"
 
     @classmethod
-    def read(cls, folder: Path) -> Manifest:
+    def read(cls, folder: Path) -> "Manifest":
         """Read it from a folder.
 
         Raises ResultsError when there is none, or none that can be trusted to name files of the

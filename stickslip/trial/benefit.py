@@ -10,8 +10,6 @@ Errors are against the motion of the loop without friction: what is left of them
 compensator can still do. In a cascade the position counts, too.
 """
 
-from __future__ import annotations
-
 import math
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -68,7 +66,7 @@ class Variant:
         """Whether a share of its force can be taken."""
         return any(one.name == FEEDFORWARD for one in self.chain)
 
-    def share(self, law: Law, share: float) -> Variant:
+    def share(self, law: Law, share: float) -> "Variant":
         """Return the same with a share of the feedforward's force, of that law or of its own."""
 
         def shared(one: Compensator) -> Compensator:
@@ -206,7 +204,7 @@ class Benefit:
     beyond: Rows = ()  # on drives that do not decide, at that share
     swept: Rows = ()  # in the sweep of commands, at that share; only of what would be written
 
-    def whole(self) -> Benefit:
+    def whole(self) -> "Benefit":
         """Return the same with the whole force."""
         return replace(self, share=1.0, rows=self.full, swept=())
 
@@ -372,7 +370,7 @@ class Bench:
         return self.inputs(self.loop)
 
     @cached_property
-    def _prepared(self) -> dict[object, LoopRuns]:
+    def _prepared(self) -> "dict[object, LoopRuns]":
         """Loops by the models and parameters of their compensators."""
         return {}
 

@@ -7,8 +7,6 @@ the peak sensitivity, instead of a search on the drive. Each is first run once o
 the family; the best of each kind are then tried on all of it, each at the best share of its force.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
@@ -131,7 +129,7 @@ class CompensatorComparison:
             f" {other.name}, leaves {other.mean:.3g}"
         )
 
-    def whole(self) -> CompensatorComparison:
+    def whole(self) -> "CompensatorComparison":
         """Return the same with the whole force of each feedforward, as it is by itself."""
         rows = (
             replace(row, benefit=row.benefit.whole()) if row.benefit else row for row in self.rows

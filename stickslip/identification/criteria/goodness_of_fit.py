@@ -1,7 +1,5 @@
 """Goodness of fit: the relative errors of a model against a recording."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -43,7 +41,7 @@ class GoodnessOfFit:
         """Return the relative errors by name."""
         return {name: value for name, value in vars(self).items() if name in ERRORS}
 
-    def scaled(self, scale: Scale) -> GoodnessOfFit:
+    def scaled(self, scale: Scale) -> "GoodnessOfFit":
         """Return the signals in other units; relative errors stay."""
         simulated = None if self.simulated is None else self.simulated * scale.length
         return replace(

@@ -1,7 +1,5 @@
 """FMUs of candidates, their runs, and what closes them."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -25,7 +23,7 @@ from stickslip.thresholds import loop_fit
 class Closing:
     """Closes itself when a ``with`` block ends."""
 
-    runs: Runs  # that it holds
+    runs: "Runs"  # that it holds
 
     def close(self) -> None:
         """Free the FMUs."""

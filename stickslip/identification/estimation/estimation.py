@@ -1,7 +1,5 @@
 """The result of an estimation."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -36,7 +34,7 @@ class FittedLaw:
     plausible: tuple[Mapping[str, float], ...] = ()
     largest_friction: float = float("inf")  # at standstill and creep in the recording [N]
 
-    def restored(self, scale: Scale) -> FittedLaw:
+    def restored(self, scale: Scale) -> "FittedLaw":
         """Return the values of a scaled recording in SI units; ``fit`` stays scaled."""
         sizes = ("value", "standard_error", "low", "high")
         known = {

@@ -1,7 +1,5 @@
 """A friction law fitted to one part of a recording, and its prediction of the other part."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
@@ -109,7 +107,7 @@ class Prediction:
         """Root mean square of the measured force [N]."""
         return self.force / max(self.relative, np.finfo(float).tiny)
 
-    def restored(self, scale: Scale) -> Prediction:
+    def restored(self, scale: Scale) -> "Prediction":
         """Return the prediction of a scaled recording in SI units."""
         return replace(
             self,

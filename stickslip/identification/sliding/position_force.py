@@ -11,8 +11,6 @@ stays in a group of waves. Friction that both varies along the guide and differs
 directions makes such waves, hence their least size.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -161,7 +159,7 @@ def _found(
         return _shown(log, rotary=rotary)
 
 
-def _shown(log: _Log, *, rotary: bool) -> PositionForce | None:
+def _shown(log: "_Log", *, rotary: bool) -> PositionForce | None:
     if (rest := log.beside_friction()) is None or not rest.friction > 0.0:
         return None
     log, terms = log.aligned(rest.terms(rotary=rotary))
@@ -215,7 +213,7 @@ class _Terms:
         every = zip(sizes, ends, sizes.values(), strict=True)
         return {name: slice(end - size, end) for name, end, size in every if size}
 
-    def only(self, names: set[str]) -> _Terms | None:
+    def only(self, names: set[str]) -> "_Terms | None":
         """Return the terms of some names alone; None without any."""
         if "gravity" not in names:
             names = names - {"load"}
@@ -394,7 +392,7 @@ class _Log:
         ways = (x[ahead > 0.0], x[ahead < 0.0])
         return all(one.size and np.ptp(one) > BOTH * np.ptp(x) for one in ways)
 
-    def aligned(self, terms: _Terms | None) -> tuple[_Log, _Terms | None]:
+    def aligned(self, terms: _Terms | None) -> "tuple[_Log, _Terms | None]":
         """Return the log with the force at its instant, as terms show it, and these refined."""
         log = self
         for _ in range(SHIFTS):

@@ -1,7 +1,5 @@
 """The motions of the arena: those to tune with, and others of the same kinds to validate with."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -65,7 +63,7 @@ class Command:
         n = round(self.motion.duration / T_s) + 1
         return self.motion.command.sample(np.asarray(np.arange(n) * T_s))
 
-    def scaled(self, factor: float) -> Command:
+    def scaled(self, factor: float) -> "Command":
         """Return the command with all velocities and lengths times a factor."""
         if factor == 1.0:
             return self

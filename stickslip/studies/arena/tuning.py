@@ -6,8 +6,6 @@ above the limit is not run. The cost is what validation ranks by, on other motio
 encoder shows it: the geometric mean over the kinds of motion of the errors against the command.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -52,7 +50,7 @@ class TuningResult:
     soon: float  # seconds of motion after which the cost was within ``NEAR`` of that at the end [s]
 
     @classmethod
-    def read(cls, document: Mapping[str, Any]) -> TuningResult:
+    def read(cls, document: Mapping[str, Any]) -> "TuningResult":
         """Return one from its document."""
         return cls(**{**document, "coarse": Coarse(**document["coarse"])})
 

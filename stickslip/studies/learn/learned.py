@@ -5,8 +5,6 @@
 What a log gives is then tried in simulation; a reproduction validates it on the drive.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -175,7 +173,7 @@ class LearnedFromRecording(Learned):
     def _shared(self, benefit: Benefit) -> dict[str, float]:
         return benefit.variant.share(self.estimation.law, benefit.share).feedforward
 
-    def with_whole_force(self) -> LearnedFromRecording:
+    def with_whole_force(self) -> "LearnedFromRecording":
         """Return the same with the compensator at its whole force, whatever that does."""
         if self.trial is None:
             return self

@@ -5,8 +5,6 @@ one, and the tuned one, whose predicted Ms is within the limit. After each motio
 compared with that of the present loop; the first one that is worse than allowed ends it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -111,7 +109,7 @@ def tune_on_rig(
     return replace(_with(found, taken), on_rig=test.trial(motions, stopped))
 
 
-def _chosen(test: RigTest, commands: Sequence[Motion], kinds: int) -> list[Motion]:
+def _chosen(test: "RigTest", commands: Sequence[Motion], kinds: int) -> list[Motion]:
     """Return motions of the trial, the fastest and others, that keep the limits of the rig."""
     within, refused = list[Motion](), ""
     firsts = {motion.name: motion for motion in reversed(commands)}  # as for the drive as fitted

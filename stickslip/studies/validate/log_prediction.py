@@ -4,8 +4,6 @@ Nothing is fitted to the log but the time by which its force shows late. Errors 
 what noise, the steps of the encoder and the intervals of the parameters make.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -51,7 +49,7 @@ class SignalError:
         both = float(np.hypot(self.noise, self.intervals))
         return self.error / both if both > 0.0 else np.inf
 
-    def times(self, factor: float) -> SignalError:
+    def times(self, factor: float) -> "SignalError":
         """Return it in another unit."""
         return SignalError(
             factor * self.error, self.relative, factor * self.noise, factor * self.intervals
@@ -71,7 +69,7 @@ class Change:
         """Whether the interval is all on one side of 0."""
         return self.low > 0.0 or self.high < 0.0
 
-    def times(self, factor: float) -> Change:
+    def times(self, factor: float) -> "Change":
         """Return it in another unit."""
         return Change(factor * self.value, factor * self.low, factor * self.high)
 
