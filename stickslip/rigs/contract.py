@@ -289,11 +289,7 @@ class Rig(ABC):
 
     @contextmanager
     def trials(
-        self,
-        v_cmd: Array,
-        loop: VelocityLoop,
-        *,
-        compensated: bool = True,
+        self, v_cmd: Array, loop: VelocityLoop, *, compensated: bool = True
     ) -> Iterator[Trial]:
         """Return what runs a velocity command (n,) [m/s] with compensators on the drive: Fig. 3.
 

@@ -512,13 +512,7 @@ def bench_of(
         step, rotary = datasheet.encoder_step, loop.axis.rotary
         stiffness = loop.K_i + loop.K_p * loop.K_x
         tried = commands(
-            command,
-            loop.T_s,
-            friction,
-            step,
-            stiffness=stiffness,
-            rotary=rotary,
-            drives=drives,
+            command, loop.T_s, friction, step, stiffness=stiffness, rotary=rotary, drives=drives
         )
         bench = Bench(
             folder,

@@ -15,10 +15,7 @@ from stickslip.cosim import Trapezoid
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.identification.criteria.motion import encoder_noise, position_of
 from stickslip.identification.estimation import Estimation, LearnSettings
-from stickslip.identification.fitting.identifiability import (
-    IDENTIFIABLE,
-    bounded_by,
-)
+from stickslip.identification.fitting.identifiability import IDENTIFIABLE, bounded_by
 from stickslip.logs import Reading, Recording
 from stickslip.models import Law
 from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet, LoopSpecification
@@ -148,10 +145,7 @@ def try_compensator(
             warnings = hunting_at_rest(held, variant, sheet.encoder_step)
     others = tuple(one for one in (*benefits, *tried.values()) if one is not best)
     return SimulatedTrial(
-        *(command, sheet, best, compared, tuple(warnings)),
-        drives=drives,
-        others=others,
-        holds=held,
+        *(command, sheet, best, compared, tuple(warnings)), drives=drives, others=others, holds=held
     )
 
 

@@ -199,10 +199,7 @@ class _LogLoop(Closing):
         for name in self._inputs:
             system.expose(name, f"controller.{name}")
         specification = cosim.Specification(
-            system,
-            step=recording.T_s,
-            stop=(len(recording.t) - 1) * recording.T_s,
-            record=SIGNALS,
+            system, step=recording.T_s, stop=(len(recording.t) - 1) * recording.T_s, record=SIGNALS
         )
         self.runs = Runs(specification, workers)
         self._added = memory_force(gains, len(recording.t), recording.T_s)

@@ -6,13 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from stickslip.catalog.parameters import (
-    ParameterSpace,
-    Values,
-    covariance,
-    scaled_start,
-    unit_of,
-)
+from stickslip.catalog.parameters import ParameterSpace, Values, covariance, scaled_start, unit_of
 from stickslip.errors import IdentificationError
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.motion import SI, Scale, measured_force, position_of

@@ -4,10 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from stickslip.errors import RecordingError
-from stickslip.identification.sliding.position_force import (
-    find_position_force,
-    with_position_force,
-)
+from stickslip.identification.sliding.position_force import find_position_force, with_position_force
 from stickslip.logs import Finding, Reading, Recording, read_stretch, with_checks
 from stickslip.logs.joined import join
 from stickslip.logs.sets import Log

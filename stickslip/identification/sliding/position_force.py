@@ -146,13 +146,7 @@ def find_position_force(recording: Recording) -> PositionForce | None:
 
 @lru_cache(1)  # checks and learning ask for that of the same signals
 def _found(
-    position: bytes,
-    force: bytes,
-    T_s: float,
-    step: float,
-    *,
-    rotary: bool,
-    spans: tuple[Span, ...],
+    position: bytes, force: bytes, T_s: float, step: float, *, rotary: bool, spans: tuple[Span, ...]
 ) -> PositionForce | None:
     with threadpool_limits(limits=1, user_api="blas"):  # sums that are split round differently
         log = _Log(np.frombuffer(position), np.frombuffer(force), T_s, step, spans=spans)

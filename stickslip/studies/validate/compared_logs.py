@@ -129,10 +129,7 @@ def compared(
 ) -> TrackingComparison:
     """Return the errors of two recordings at samples (n,) of each."""
     velocity, position = {}, {}
-    for name, recording, samples in (
-        (NONE, without, first),
-        (FEEDFORWARD, compensated, second),
-    ):
+    for name, recording, samples in ((NONE, without, first), (FEEDFORWARD, compensated, second)):
         v_cmd, x_cmd = commanded_velocity(recording), commanded_position(recording)
         v_error, x_error = (error[samples] for error in measured_errors(recording, v_cmd, x_cmd))
         if recording.position_command is None:  # the offset of its integral is not known

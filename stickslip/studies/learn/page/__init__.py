@@ -17,11 +17,7 @@ from stickslip.presentation.quantity import percentage
 from stickslip.presentation.scale import WORDS, force_scale
 from stickslip.studies.learn import tables
 from stickslip.studies.learn.page import figures
-from stickslip.studies.learn.page.signals import (
-    measures_friction,
-    simulated_position,
-    steady_name,
-)
+from stickslip.studies.learn.page.signals import measures_friction, simulated_position, steady_name
 from stickslip.thresholds import control_match, harm, offer
 from stickslip.trial.candidates import CompensatorComparison
 
