@@ -218,7 +218,6 @@ def _misplaced(
 
 _HELP = re.compile(r'"""``stickslip (\w+)``: ([^"]+?)\.?(?:""")?$')
 
-
 _EXAMPLE = re.compile(r"^ *(stickslip .+)$", re.MULTILINE)  # in the text of a command's module
 _PLACES = ("commands/*.py", "studies/*/command.py", "papers/*/commands/*.py")
 

@@ -23,7 +23,6 @@ from stickslip.keywords import RunOptions, named
 if TYPE_CHECKING:
     import pandas as pd
 
-
 MEMBER = "extra/stickslip/input.csv"
 
 

@@ -167,7 +167,6 @@ LUGRE = estimated(friction_law())  # the parameters of the paper's compensator
 
 UNITS = {name: unit_of(name) for name in PAPER}  # units of Table 2
 
-
 Array = NDArray[np.float64]
 Values = Mapping[str, float]
 

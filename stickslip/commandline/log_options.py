@@ -21,7 +21,6 @@ from stickslip.planning import LINEAR, Limits
 if TYPE_CHECKING:
     from stickslip.rigs.contract import Rig
 
-
 MOTIONS = "motions"  # Folder, within that of the results, of the logs of a rig
 
 

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from stickslip.servo.systems import Compensator
     from stickslip.servo.velocity_loop import VelocityLoop
 
-
 NAME = "compensator"  # of the command, of what it writes, and of the model that evaluates any law
 MOST_SAMPLES = 10_000_000  # of a validation command
 

@@ -94,7 +94,6 @@ _COMPOUND = re.compile(
 )
 """A German compound, such as Drehmomentistwert or Istlage."""
 
-
 _NAMED = (
     ("percentage", r"%|‰|percent|prozent|per_?mil|promille|(^|_)(pct|rated)(_|$)"),
     ("current", r"current|strom|courant|corr[ie]+nte|amp[eèé]r|(^|_)(i|iq|i_q|amps)(_|$)"),
@@ -104,7 +103,6 @@ _NAMED = (
     ("angle", r"(^|_)(angle|theta|phi|\w*winkel)(_|$)"),
 )
 """What a column's name says that it measures; the first that fits."""
-
 
 _MEASURED = {"time": "time", "current": "force", "voltage": "force"} | {
     quantity: role for motion in QUANTITIES.values() for role, quantity in motion.items()

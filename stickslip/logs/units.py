@@ -116,7 +116,6 @@ _UNITS = {
     for name, factor in factors.items()
 }
 
-
 _ALIKE: dict[str, set[Unit]] = {}
 for _name in (*_UNITS, *_SPELT):
     if (_spelt := _SPELT.get(_name, _name)) in _UNITS:

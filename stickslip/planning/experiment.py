@@ -44,7 +44,6 @@ WHOLE = Part("whole travel", ("position_force",), 1.5, parts.whole_travel)
 """Last, where it is asked for."""
 SHOWN = (*PAPER, *WHOLE.shows)
 
-
 SET = {"presliding": PARTS[:1], "creep": PARTS[1:2], "sliding": PARTS[2:]}
 """Parts by the name of an experiment, where each kind of motion has one of its own."""
 

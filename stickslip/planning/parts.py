@@ -111,7 +111,6 @@ LINEAR = Limits()  # suits the paper's stage: its training sweep fits
 ROTARY = Limits(stroke=2 * math.pi, speed=2 * math.pi, acceleration=200.0, presliding=(1e-4, 0.1))
 """A motor shaft and one turn."""
 
-
 QUICK = 0.1  # shortest move [s]: what most position loops still follow
 
 

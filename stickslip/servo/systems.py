@@ -16,7 +16,6 @@ NOMINAL_ORDER = 8  # states that the nominal-loop FMU has room for
 COMPONENTS = ("controller", "drive", "filter", "nominal")
 """Names in a loop beside those of the compensators."""
 
-
 _MEASURED = {
     "x_enc": "{drive}.x_enc",
     "F_motor": "{drive}.F_m",

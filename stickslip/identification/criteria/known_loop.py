@@ -73,7 +73,6 @@ STATES: dict[str, Callable[[float, Values], float]] = {
 }
 """State of a friction law -> its value at rest under a force [N]. Other states start at 0."""
 
-
 NOTHING: Mapping[str, float] = {}
 Signals = cosim.Result | Mapping[str, Array]
 """What a run recorded (n,), by name."""

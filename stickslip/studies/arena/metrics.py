@@ -15,7 +15,6 @@ ERROR = "error"  # The metric by which entrants are ranked
 RECORDED = ("drive.v", "drive.x", "controller.u", "nominal.v_r")
 Figures = dict[str, tuple[float, str]]  # Value and unit by name of the metric
 
-
 SETTLED, COUNTS = 1e-6, 2.0
 """A move has settled within this position error [m], or so many steps of the encoder."""
 

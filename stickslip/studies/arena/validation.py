@@ -26,7 +26,6 @@ RATIO, WORST = "error ratio", "worst error ratio"
 """Metrics of drives with other friction, mass or lag."""
 PER_STEP = "error per encoder step"
 
-
 Figures = dict[tuple[str, str, str], list[float]]  # (command, metric, unit) -> a value for each run
 
 

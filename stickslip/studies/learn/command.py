@@ -46,7 +46,6 @@ if TYPE_CHECKING:
     from stickslip.studies.learn.predicted_logs import PredictedLog
     from stickslip.studies.learn.verdict import Verdict
 
-
 CRITERIA: dict[str, CriterionName] = {
     "auto": "auto",
     "loop": "output error",

@@ -22,7 +22,6 @@ from stickslip.presentation.quantity import METRICS, with_error
 
 COMMAND: Any = {"color": style.INK, "lw": 0.8, "ls": style.DASHED}
 
-
 SHOWN = (-0.02, 0.15)  # What is drawn around an instant [s]
 
 
