@@ -80,11 +80,7 @@ class Parser(argparse.ArgumentParser):
         return super().parse_known_args(self._arranged(list(args or ())), namespace)
 
     def _arranged(self, words: list[str]) -> list[str]:
-        """Return the words with the positional ones first.
-
-        Those of a parser with commands keep their order: what follows a command is parsed by the
-        command's own parser.
-        """
+        """Return the words, positional ones first; what follows a command has its own parser."""
         commands = next((a for a in self._actions if a.nargs == argparse.PARSER), None)
         if commands is not None:
             return _command_first(words, commands)

@@ -107,7 +107,7 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
 
     path, loop = learned.path, learned.loop
     refusal = f"learn refused it: {learned.refusal}" if learned.refusal else ""
-    if loop is None and not learned.is_tried:
+    if loop is None and not learned.document.get("tracking_error"):
         refusal = refusal or "it contains neither a loop to try this compensator in nor a trial"
     if refusal and not force:
         raise HarmfulError(f"{path}: {refusal}; --force exports it anyway")

@@ -64,26 +64,17 @@ class TunedEntrant:
     # parameters of the controller's nonlinear damping; empty for none
     damping: Mapping[str, float] = field(default_factory=dict)
 
-    @property
-    def linear_loops(self) -> list[VelocityLoop]:
-        """The loops between which nonlinear damping moves, undamped first; raises ControlError."""
-        if not self.damping:
-            return [self.loop]
-        return [self.loop, regulated(self.loop, K_p=self.loop.K_p + self.damping["gamma_v"])]
-
     def robustness(
         self, response: ChainResponse, friction: float, m: float | None = None
     ) -> Robustness:
-        """Return the worst robustness of its linear loops.
+        """Return the worst robustness of the loops between which nonlinear damping moves.
 
-        Parameters
-        ----------
-        friction : force of sliding [N]
-        m : true mass [kg], by default that of the loop's axis
+        Friction is that of sliding [N], m the true mass [kg]; raises ControlError.
         """
-        return Robustness.worst(
-            [response.of(loop, self.parameters, friction, m) for loop in self.linear_loops]
-        )
+        loops = [self.loop]
+        if self.damping:
+            loops.append(regulated(self.loop, K_p=self.loop.K_p + self.damping["gamma_v"]))
+        return Robustness.worst([response.of(one, self.parameters, friction, m) for one in loops])
 
 
 Design = Callable[[Mapping[str, float], VelocityLoop, Coarse, Datasheet], dict[str, float]]

@@ -103,10 +103,7 @@ def _runs(
 
 
 def motion_errors(run: Run, motion: Motion, top: float) -> dict[Key, float]:
-    """Return the errors by the columns of ``KEYS``, in the unit that is stated.
-
-    ``top`` is the largest velocity that is commanded in any motion [m/s].
-    """
+    """Return the errors by the columns of ``KEYS``; ``top`` is the largest command of any [m/s]."""
     errors = {
         (motion.name, region, velocity, metric, "mm/s"): 1e3 * value
         for (velocity, region, metric), value in velocity_errors(run, motion.regions).items()

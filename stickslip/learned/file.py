@@ -251,11 +251,6 @@ class LearnedFile:
         return tuple(map(str, files)) if isinstance(files, list) else ("compensator.fmu",)
 
     @property
-    def is_tried(self) -> bool:
-        """Whether learning tried the compensator at the share of its force in the file."""
-        return bool(self.document.get("tracking_error"))
-
-    @property
     def loop(self) -> VelocityLoop | None:
         """The velocity loop; None in a file without it."""
         entry = self._entry("loop")

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from datetime import UTC, datetime
+from textwrap import wrap
 from typing import Any
 
 from stickslip.errors import UsageError
@@ -19,7 +20,12 @@ def provenance(learned: LearnedFile, share: float | None = None) -> list[str]:
     Raises UsageError where the file has entries that ``learn`` does not write.
     """
     try:
-        return [line for text in _texts(learned, share) for line in _wrapped(text)]
+        texts = [
+            (text, "    " if text.startswith("  ") else "  ") for text in _texts(learned, share)
+        ]
+        return [
+            one for text, indent in texts for one in wrap(text, WIDTH, subsequent_indent=indent)
+        ]
     except (KeyError, TypeError, ValueError, ArithmeticError) as error:
         raise UsageError(
             f"{learned.path}: expected parameters and verdict as learn writes them; got {error!r}"
@@ -60,10 +66,3 @@ def _texts(learned: LearnedFile, share: float | None) -> Iterator[str]:
 def _mapping(document: Any, name: str) -> dict[str, Any]:
     entry = document.get(name)
     return entry if isinstance(entry, dict) else {}
-
-
-def _wrapped(text: str) -> list[str]:
-    from textwrap import wrap
-
-    indent = "  " if text.startswith("  ") else ""
-    return wrap(text, WIDTH, initial_indent="", subsequent_indent=f"{indent}  ")

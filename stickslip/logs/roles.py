@@ -135,11 +135,7 @@ _NO_SUFFIXES = ("in", "min", "mil", "pulse", "pulses", "second", "sample", "turn
 
 
 def assign_roles(table: LogTable, description: Description) -> tuple[dict[str, str], list[Finding]]:
-    """Return column names by role, and remarks on what was detected.
-
-    Raises RecordingError when a named column is missing, one has two roles, or a guess is not
-    clear.
-    """
+    """Return column names by role, and remarks; raise RecordingError where one is not clear."""
     found: dict[str, str] = {}
     for role, column in description.columns.items():
         if column.name in (None, "none"):

@@ -126,10 +126,7 @@ def filetime_seconds(texts: Sequence[str]) -> Array | None:
 
 
 def with_joined_times(table: LogTable) -> LogTable:
-    """Return a table with one column of time for each two that hold whole seconds and the rest.
-
-    Such are ``stamp.sec`` and ``stamp.nanosec``, and ``tv_sec`` and ``tv_usec``.
-    """
+    """Return a table with one time for two such as ``stamp.sec`` and ``stamp.nanosec``."""
     numbers, units = dict(table.numbers), dict(table.units)
     names = list(table.names)
     seconds: dict[str, str] = {}

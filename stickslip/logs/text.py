@@ -98,8 +98,8 @@ def read_text(path: str, data: bytes, delimiter: str | None, decimal: str | None
     if header and not header[-1] and not columns[-1].first:  # a delimiter ends each line
         header, columns = header[:-1], columns[:-1]
     if head.paired:
-        signals = _pairs(path, head, columns)
-        return table_of(path, signals, tuple(findings), timed=_timed(head))
+        signals, timed = _pairs(path, head, columns), "s" if head.titled else head.units[0]
+        return table_of(path, signals, tuple(findings), timed=timed)
     names = _names(header or [str(k + 1) for k in range(len(columns))])
     units = {name: unit for name, unit in zip(names, head.units, strict=False) if unit}
     numbers: dict[str, Array] = {}
@@ -176,13 +176,7 @@ class _Lines:
         return [text for text in texts if text and not text.isspace()]
 
     def blocks(self) -> Iterator[tuple[int, list[str]]]:
-        """Yield lines, empty ones too, and the number of the first of them.
-
-        Raises
-        ------
-        RecordingError
-            When a line is too long.
-        """
+        """Yield lines and the number of the first; raise RecordingError for one too long."""
         stream = io.TextIOWrapper(io.BytesIO(self.data), self.encoding, newline="\n")
         number = 1
         while block := stream.readlines(_BLOCK):
@@ -303,11 +297,6 @@ def _pairs(path: str, head: Header, columns: Sequence[_Column]) -> Iterator[Sign
         times.texts = [*filter(None, times.texts)]
         t = _scaled(times.numbers[filled], times, head, k)
         yield Signal(name, values.numbers[filled], unit, t)
-
-
-def _timed(head: Header) -> str | None:
-    """Return the unit of the times of signals, None where the file leaves it open."""
-    return "s" if head.titled else head.units[0]
 
 
 def _scaled(t: Array, column: _Column, head: Header, k: int = 0) -> Array:

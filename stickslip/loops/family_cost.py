@@ -69,10 +69,7 @@ class FamilyCost(ExitStack):
         return max((response.peak for response in found), default=math.inf)
 
     def forces(self, one: DriveLoop) -> tuple[float, float]:
-        """Return RMS change from sample to sample, and peak, of the force on the first drive [N].
-
-        Each is the largest of all motions.
-        """
+        """Return RMS change a sample, and peak, of the force on the first drive [N]."""
         return _forces(self._each(one, self.first))
 
     def excess(self, one: DriveLoop) -> float:
@@ -96,11 +93,7 @@ class FamilyCost(ExitStack):
         return self._compared(cells, self._each(one, cells))
 
     def __call__(self, values: Array) -> float:
-        """Return the cost of a candidate (k,).
-
-        One beyond a limit costs more, the farther it is. Raises CandidateFailed when its loop is
-        unstable or runs away.
-        """
+        """Return the cost of a candidate (k,), more beyond a limit; raise CandidateFailed."""
         return self.together(values[np.newaxis])[0]()
 
     def together(self, rows: Array) -> list[Callable[[], float]]:

@@ -60,10 +60,7 @@ class Stretch:
 def arrange(
     limits: Limits = LINEAR, show: Collection[str] = (), among: Sequence[Part] = PARTS
 ) -> tuple[Stretch, ...]:
-    """Return when which part runs; ``show`` names parameters whose parts get more time.
-
-    Raises UsageError when ``show`` names no parameter.
-    """
+    """Return when which part runs; those that show what is asked for get more time."""
     return _laid_out(limits, show, among)[0]
 
 

@@ -14,21 +14,12 @@ from stickslip.thresholds import experiment
 class DataSheet:
     """What is known of a drive before it is recorded; for a rotary drive read rad for m.
 
-    Attributes
-    ----------
-    friction : Coulomb friction, about [N]; that of a data sheet or of a first move
-    encoder : step [m]
-    K_p, K_i : gains of the velocity loop [N s/m], [N/m]
-
-    Raises
-    ------
-    UsageError
-        When a value is not positive.
+    Raises UsageError when a value is not positive.
     """
 
-    friction: float | None = None
-    encoder: float | None = None
-    K_p: float | None = None
+    friction: float | None = None  # Coulomb friction, about [N]: of a data sheet or a first move
+    encoder: float | None = None  # step [m]
+    K_p: float | None = None  # gains of the velocity loop [N s/m], [N/m]
     K_i: float | None = None
 
     def __post_init__(self) -> None:

@@ -104,7 +104,10 @@ class ChainResponse:
         m: float | None = None,  # true mass [kg], by default that of the loop's axis
     ) -> Robustness:
         """Return how robust a loop with the chain is."""
-        opened = self._opened_at(loop, m)
+        known = self._opened  # the loop without the chain, of the last call
+        if known is None or known[0] is not loop or known[1].m != (m or loop.axis.m):
+            known = self._opened = loop, OpenLoop(loop, m, frequencies(loop))
+        opened = known[1]
         found = self.responses([opened], values, friction)
         if not found:
             return Robustness(np.inf, np.inf)
@@ -123,13 +126,6 @@ class ChainResponse:
         measured = self._impulses(axes[0].loop, values, friction) if self._simulation else {}
         found = [opened.response_with(measured) for opened in axes]
         return [response for response, _ in found] if all(stable for _, stable in found) else []
-
-    def _opened_at(self, loop: VelocityLoop, m: float | None) -> OpenLoop:
-        """Return the loop without the chain; that of the last call where it is the same."""
-        known = self._opened
-        if known is None or known[0] is not loop or known[1].m != (m or loop.axis.m):
-            known = self._opened = loop, OpenLoop(loop, m, frequencies(loop))
-        return known[1]
 
     def _impulses(
         self, loop: VelocityLoop, values: Mapping[str, float], friction: float

@@ -318,6 +318,11 @@ class Bench:
     workers: int = 1  # number of runs in parallel
     onsets: Sequence[float] = ()  # displacements from which observers may act [m]
     sweep: Sequence[Command] = ()  # on which all drives are tried with what would be written
+    # loops by the models and parameters of their compensators
+    _prepared: "dict[object, LoopRuns]" = field(default_factory=dict, init=False)
+    # errors by loop, parameters, drive and command; largest ratios by command of the sweep
+    _known: dict[object, Errors] = field(default_factory=dict, init=False)
+    _worst: dict[Command, float] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
         own, *others = self.laws
@@ -337,11 +342,6 @@ class Bench:
     def folder_of(self, law: str) -> Path:
         """Return the folder of the FMUs with drives of a law."""
         return self.folder / law
-
-    @cached_property
-    def _worst(self) -> dict[Command, float]:
-        """Largest ratio that was found by command of the sweep."""
-        return dict.fromkeys(self.sweep, 0.0)
 
     @cached_property
     def targets(self) -> dict[Command, dict[str, Array]]:
@@ -368,16 +368,6 @@ class Bench:
     def own_inputs(self) -> dict[Command, dict[str, Array]]:
         """Those of the bench's loop."""
         return self.inputs(self.loop)
-
-    @cached_property
-    def _prepared(self) -> "dict[object, LoopRuns]":
-        """Loops by the models and parameters of their compensators."""
-        return {}
-
-    @cached_property
-    def _known(self) -> dict[object, Errors]:
-        """Errors by loop, parameters, drive and command."""
-        return {}
 
     def _errors(self, variant: Variant, cells: Sequence[Cell]) -> list[Errors]:
         """Return the errors with a variant in each cell."""
@@ -437,7 +427,7 @@ class Bench:
         """
         found = Rows()
         deciding = [one for one in self.drives if one.decides]
-        for command in sorted(self.sweep, key=lambda one: -self._worst[one]):
+        for command in sorted(self.sweep, key=lambda one: -self._worst.get(one, 0.0)):
             cells = [(drive, command) for drive in deciding]
             without = [(0.0,)] * len(cells)
             for one in self._beside[command]:

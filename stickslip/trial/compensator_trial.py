@@ -45,26 +45,16 @@ class Loops(NamedTuple):
 
 @dataclass(frozen=True)
 class SimulatedTrial:
-    """What trying a compensator on simulated drives gave.
-
-    Attributes
-    ----------
-    command, datasheet, drives : what it was tried on
-    benefit : tracking errors with feedforward of the law, and the share of its force that passes
-    warnings : where a cascade does not come to rest, a line each
-    compared : all compensators that were tried
-    others : the same as ``benefit`` for other ways to compensate
-    holds : how a cascade holds its position, by name of the way to compensate; else empty
-    """
+    """What trying a compensator on simulated drives gave."""
 
     command: Trapezoid
     datasheet: Datasheet
-    benefit: Benefit
-    compared: CompensatorComparison
-    warnings: tuple[str, ...]
-    drives: tuple[Drive, ...] = ()
-    others: tuple[Benefit, ...] = ()
-    holds: Mapping[str, Hold] = field(default_factory=dict)
+    benefit: Benefit  # with feedforward of the law, at the share of its force that passes
+    compared: CompensatorComparison  # all compensators that were tried
+    warnings: tuple[str, ...]  # where a cascade does not come to rest, a line each
+    drives: tuple[Drive, ...] = ()  # on which it was tried
+    others: tuple[Benefit, ...] = ()  # the same as ``benefit`` for other ways to compensate
+    holds: Mapping[str, Hold] = field(default_factory=dict)  # of a cascade, by way to compensate
 
     def table(self) -> pd.DataFrame:
         """Return a row for each way to compensate, drive and command.

@@ -72,18 +72,11 @@ class Drive:
 
 @dataclass(frozen=True, eq=False)
 class Command:
-    """A command on which drives are tried.
+    """A command on which drives are tried."""
 
-    Attributes
-    ----------
-    name : display name
-    v_cmd : (n,) one value a sample [m/s]
-    drives : names of the drives that are tried on it; empty for all
-    """
-
-    name: str
-    v_cmd: Array
-    drives: tuple[str, ...] = ()
+    name: str  # display name
+    v_cmd: Array  # (n,) one value a sample [m/s]
+    drives: tuple[str, ...] = ()  # names of the drives that are tried on it; empty for all
 
     @property
     def speed(self) -> float:

@@ -200,7 +200,8 @@ def fit(study: Study, runs: Runs) -> Fit:
     doubt = np.array([max(one.standard_error / one.value, FLOOR) for one in study.start.values()])
     power = [gap @ gap / len(gap) * correlation_length(gap) for gap in runs.means]
     scale = np.sqrt(np.mean(power))
-    numerator, denominator = _transfer(study)
+    loop = study.loop.compliance  # from feedforward force [N] to velocity [m/s]
+    (numerator,), denominator = ss2tf(loop.A, loop.B, loop.C, loop.D)
     system = feedforward(study.rig.fmus, study.loop, {})
     T_s = study.rig.T_s
     longest = max(map(len, runs.commands))
@@ -258,10 +259,3 @@ def _errors(jacobian: Array) -> Array:
     """Return relative standard errors (k,) from the Jacobian of residuals by logarithms."""
     information = jacobian.T @ jacobian + 1e-12 * np.eye(jacobian.shape[1])
     return np.asarray(np.sqrt(np.diag(np.linalg.inv(information))))
-
-
-def _transfer(study: Study) -> tuple[Array, Array]:
-    """Return numerator and denominator from feedforward force [N] to velocity [m/s]."""
-    loop = study.loop.compliance
-    numerator, denominator = ss2tf(loop.A, loop.B, loop.C, loop.D)
-    return numerator[0], denominator

@@ -133,10 +133,7 @@ class LoopCost(Closing):
         return errors
 
     def __call__(self, values: Array) -> float:
-        """Return the cost of a candidate (k,).
-
-        Raises CandidateFailed when its loop is unstable or above the limit of Ms, or a run fails.
-        """
+        """Return the cost of a candidate (k,); raise CandidateFailed where loop or run fails."""
         genes = {gene.name: value for gene, value in zip(GENES, values.tolist(), strict=True)}
         try:
             tuned = self.study.loop(genes)

@@ -278,7 +278,10 @@ class OutputError(Criterion):
         self.step = recording.encoder_step
         self.noise = position_noise(self.position, self.step)
         self.whitening = np.ones(1)
-        self._logs = [_behind_start(one.begin, one.end) for one in recording.pieces]
+        self._logs = [
+            slice(one.begin + max(2 * ORDER, int(BURN_IN * (one.end - one.begin))), one.end)
+            for one in recording.pieces
+        ]
         self.used = together(self._logs)
 
     def raw(self, values: Values) -> Array:
@@ -317,10 +320,6 @@ class OutputError(Criterion):
         """Return the deviation of the residual over that of one (n,) [m] by the encoder alone."""
         expected = max(self.noise, float(np.std(explained[self.used])))
         return float(np.std(self.raw(values)[self.used])) / expected
-
-
-def _behind_start(begin: int, end: int) -> slice:
-    return slice(begin + max(2 * ORDER, int(BURN_IN * (end - begin))), end)
 
 
 def predictor_error(signal: Array, order: int) -> Array:

@@ -199,7 +199,9 @@ def correct(criterion: OutputError, fitted: Fit, again: KnownLoop, seed: int) ->
         at = replace(at, q=q, residual=criterion.residual(criterion.space.decode(q)))
     at = linearised(criterion, at.q, fitted.variance)
     spread = np.cov(moves.T) * (1.0 + 1.0 / RUNS)
-    wider = _wider(fitted, spread)
+    alone = np.maximum(np.diag(spread), np.finfo(float).tiny)
+    wider = np.sqrt(np.maximum(np.diag(fitted.covariance) / alone, 1.0))
+    wider[[name in fitted.space.law.parameters for name in fitted.space.names]] = 1.0
     spread *= np.outer(wider, wider)
     own = NUMERICS * float(np.std(criterion.position))
     return UnbiasedFit(
@@ -210,13 +212,4 @@ def correct(criterion: OutputError, fitted: Fit, again: KnownLoop, seed: int) ->
         expected=max(own, *(float(np.std(raw[criterion.used])) for raw in raws)),
         found=float(np.std(criterion.raw(at.parameters)[criterion.used])),
         unexplained=float(np.sqrt(fitted.variance)) / max(own, criterion.noise),
-    )
-
-
-def _wider(fitted: Fit, spread: Array) -> Array:
-    """Return factors (k,) of the bootstrap's standard errors of what is not the law's own."""
-    alone = np.maximum(np.diag(spread), np.finfo(float).tiny)
-    wider = np.sqrt(np.maximum(np.diag(fitted.covariance) / alone, 1.0))
-    return np.where(
-        [name in fitted.space.law.parameters for name in fitted.space.names], 1.0, wider
     )

@@ -41,11 +41,7 @@ PUBLISHED_FILES = (*(f"{name}.csv" for name in TABLES), *picture_files([FIG5]), 
 
 
 def write_results(reproduction: Reproduction, folder: Path) -> None:
-    """Write tables, report, learned.json, compensator.fmu and loop.ssp.
-
-    An earlier result stays whole until the new one is complete. Raises OSError when a file cannot
-    be written.
-    """
+    """Write the results as a whole: tables, report, learned.json, compensator.fmu, loop.ssp."""
     loops = reproduction.loops
     with staged(folder, command_of(reproduction.options), without=LEARNED_LOOP) as staging:
         tables = {

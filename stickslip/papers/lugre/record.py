@@ -95,11 +95,7 @@ RECORD_FILES = (
 
 
 def write_record_results(reproduction: RecordReproduction, folder: Path) -> None:
-    """Write the tables, the recording, report, learned.json, compensator.fmu and loop.ssp.
-
-    ``recording.csv`` and ``recording.toml`` are what ``stickslip learn`` needs to learn the same.
-    Raises OSError when a file cannot be written.
-    """
+    """Write the results as a whole, with what ``stickslip learn`` needs to learn the same."""
     learned, loop = reproduction.learned, reproduction.learned.designed.compensated
     estimation = learned.estimation
     with staged(folder, command_of(reproduction.options, mode="record")) as staging:

@@ -93,11 +93,7 @@ class Reproduction(BaseResult):
 
 
 def drive_truth(changes: Changes, law: str = "lugre") -> dict[str, float]:
-    """Return every parameter of the drive FMU, and NaN for those of ``law`` that it lacks.
-
-    Raises models.StartValueError when a change names no parameter or lies outside its range, or
-    models.UnknownLaw when there is no such friction law.
-    """
+    """Return every parameter of the drive FMU, NaN for those of ``law`` that it lacks; or raise."""
     start, own = drive_law(changes)
     model = models.load_model("drive", own).with_start(start)
     known = {v.name: v.start for v in model.variables if v.role == "parameter"}

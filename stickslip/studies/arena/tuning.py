@@ -251,10 +251,7 @@ class _Trial:
         self.costs: list[float] = []
 
     def __call__(self, values: Array) -> float:
-        """Return the cost of a candidate (k,).
-
-        Raises CandidateFailed when its loop is unstable or above the limit of Ms, or the run fails.
-        """
+        """Return the cost of a candidate (k,); raise CandidateFailed where loop or run fails."""
         self.costs.append(float("inf"))
         try:
             tuned = self.tuned_by(dict(zip(self.names, values.tolist(), strict=True)))

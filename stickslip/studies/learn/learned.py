@@ -52,13 +52,7 @@ class Learned:
 
     @property
     def designed(self) -> Loops:
-        """The loops of the drive.
-
-        Raises
-        ------
-        ControlError
-            Where none can be designed.
-        """
+        """The loops of the drive; raises ControlError where none can be designed."""
         if isinstance(self.loops, ControlError):
             raise self.loops
         return self.loops

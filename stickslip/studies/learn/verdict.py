@@ -275,12 +275,9 @@ def _left(errors: Sequence[MotionError]) -> str:
             f" {number(100 * high, 2)} % are predicted for the true drive"
         )
         if worse := [one.motion for one in own if one.high > 1.0]:
-            found[-1] += f", so it may get worse in {_listed(worse, own)}"
+            where = ", ".join(worse) if len(worse) < len(own) else "any motion"
+            found[-1] += f", so it may get worse in {where}"
     return "; ".join(found)
-
-
-def _listed(worse: Sequence[str], every: Sequence[MotionError]) -> str:
-    return ", ".join(worse) if len(worse) < len(every) else "any motion"
 
 
 def _sentence(loop: LoopShare) -> str:

@@ -64,11 +64,6 @@ class Change:
     low: float
     high: float
 
-    @property
-    def is_significant(self) -> bool:
-        """Whether the interval is all on one side of 0."""
-        return self.low > 0.0 or self.high < 0.0
-
     def times(self, factor: float) -> "Change":
         """Return it in another unit."""
         return Change(factor * self.value, factor * self.low, factor * self.high)
