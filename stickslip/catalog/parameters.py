@@ -79,14 +79,9 @@ DRIVE = {
 """The parameters that every drive has, whatever its friction law."""
 
 PAPER = {
-    "m": 5.557,
-    "b": 6.6135,
-    "F_s": 8.999,
-    "F_c": 5.999,
-    "v_s": 0.00055697,
-    "sigma_0": 3.9162e5,
+    "m": 5.557, "b": 6.6135, "F_s": 8.999, "F_c": 5.999, "v_s": 0.00055697, "sigma_0": 3.9162e5,
     "sigma_1": 4.4248e3,
-}
+}  # fmt: skip
 """Table 2 of the paper. It prints b in Nm/sec, which must read N s/m."""
 
 

@@ -104,17 +104,9 @@ Product = float | str
 """A number, or factors joined by ``*``, each a number or the name of a scalar in the log's file."""
 
 ROLES = (
-    "time",
-    "position",
-    "force",
-    "velocity",
-    "friction",
-    "position_command",
-    "velocity_command",
-    "force_command",
-    "added_force",
-    "added_velocity",
-)
+    "time", "position", "force", "velocity", "friction", "position_command", "velocity_command",
+    "force_command", "added_force", "added_velocity",
+)  # fmt: skip
 """What a column can be."""
 CONFIRMED = ("mass", "speed", "acceleration", "force")
 """Figures that are errors where they are extreme, until they are confirmed."""

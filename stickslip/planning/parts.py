@@ -138,15 +138,9 @@ CREEP = (0.004, 0.2)
 LEVEL_TIME = 0.5  # of each speed of the creep [s]
 PLACES = 0.4  # share of the room over which they are spread
 LEVEL = (
-    (0.06, "move"),
-    (0.2, "move"),
-    (0.28, "creep"),
-    (0.78, "creep"),
-    (0.8, "rest"),
-    (0.88, "rest"),
-    (0.9, "creep"),
-    (1.0, "creep"),
-)
+    (0.06, "move"), (0.2, "move"), (0.28, "creep"), (0.78, "creep"), (0.8, "rest"),
+    (0.88, "rest"), (0.9, "creep"), (1.0, "creep"),
+)  # fmt: skip
 """Corners of one speed of the creep: share of its time, and what is done there."""
 
 
