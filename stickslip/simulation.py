@@ -41,10 +41,7 @@ def pack_input(package: Path, table: pd.DataFrame) -> None:
 
 
 def packed_input(package: Path) -> dict[str, Table]:
-    """Return the signals of a package by exposed input; empty when it has none.
-
-    Raises SignalError when they cannot be read, or SspError when the package cannot be.
-    """
+    """Return the signals of a package by exposed input; raise SignalError or SspError."""
     from stickslip.cosim.ssp.structure import Package  # late, for runs of one FMU
 
     file = Package.open(package).folder / MEMBER

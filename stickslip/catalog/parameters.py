@@ -146,11 +146,7 @@ def start_unit(name: str, *, rotary: bool = False) -> str:
 
 @cache
 def force_and_length_of(name: str) -> tuple[int, int]:
-    """Return the powers of the units of force and length in a parameter or controller gain.
-
-    The unit of a gain is the one that the controller's model.toml gives; a value that is not known
-    has neither.
-    """
+    """Return the powers of force and length in a parameter or controller gain; else 0."""
     gains = {v.name: v.unit for v in models.load_model("velocity_controller").variables}
     try:
         return parameter(name).force, parameter(name).length

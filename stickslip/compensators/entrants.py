@@ -402,11 +402,7 @@ def default_names() -> list[str]:
 
 
 def entrant(name: str, further: Mapping[str, Part] | None = None) -> Entrant:
-    """Return an entrant by its name.
-
-    Raises UsageError when one of its parts is unknown, or cannot follow the one before it.
-    ``further`` are parts of the user.
-    """
+    """Return an entrant by its name, of known parts and those of the user; raise UsageError."""
     known = {**parts(), **(further or {})}
     require_parts(name, further or ())
     found = Entrant(tuple(known[word] for word in name.split("+")))

@@ -15,10 +15,7 @@ WIDTH = 96  # characters of a line
 
 
 def provenance(learned: LearnedFile, share: float | None = None) -> list[str]:
-    """Return drive, logs, values, share and predicted errors; the share is a feedforward's.
-
-    Raises UsageError where the file has entries that ``learn`` does not write.
-    """
+    """Return drive, logs, values, share of a feedforward and errors; raise UsageError."""
     try:
         texts = [
             (text, "    " if text.startswith("  ") else "  ") for text in _texts(learned, share)

@@ -27,10 +27,7 @@ class Overlap:
 
 
 def same_command(first: Array, second: Array, T_s: float) -> list[Overlap]:
-    """Return the stretches in which two velocity commands (n,), (k,) [m/s] are the same.
-
-    No sample belongs to two stretches. The lag with the most motion in common comes first.
-    """
+    """Return the stretches in which two velocity commands (n,), (k,) [m/s] are the same."""
     least = max(2, round(transfer.STRETCH / T_s))
     free = np.ones(len(first), dtype=bool), np.ones(len(second), dtype=bool)
     found: list[Overlap] = []

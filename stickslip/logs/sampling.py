@@ -55,10 +55,7 @@ def _refined(differences: Array, step: float) -> float:
 
 
 def clock_step(t: Array) -> float:
-    """Return the step of which all differences of times (n,) are multiples; 0 if there is none.
-
-    The step of times in single precision is at least the spacing of the largest.
-    """
+    """Return the step of which all differences of times (n,) are multiples; 0 if there is none."""
     single = t.astype(np.float32)
     spacing = np.spacing(np.abs(single)).astype(np.float64)
     least = float(spacing.max()) if np.all(np.abs(t - single) < 0.05 * spacing) else 0.0

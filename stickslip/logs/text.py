@@ -138,10 +138,7 @@ def is_text(data: bytes) -> bool:
 
 
 class _Lines:
-    """The lines of a text that are not empty, and their numbers.
-
-    Raises RecordingError when it is binary, or has too many lines. Messages name the path.
-    """
+    """The lines of a text that are not empty, and their numbers; raises RecordingError."""
 
     def __init__(self, path: str, data: bytes) -> None:
         self.path = path

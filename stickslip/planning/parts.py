@@ -222,10 +222,7 @@ def sweep(limits: Limits, n: int) -> Array:
 
 
 def _sweep(limits: Limits, n: int) -> Array:
-    """Return a sine of rising frequency, its amplitude from three quarters of the speed to all.
-
-    Its range of frequencies narrows to what stroke and acceleration permit.
-    """
+    """Return a sine of rising frequency, its amplitude from three quarters of the speed to all."""
     stroke, a = limits.room, 0.9 * limits.acceleration
     top = min(limits.speed, math.sqrt(a * stroke) / 2)
     first = max(limits.frequency[0], 0.75 * top / (math.pi * stroke))

@@ -75,11 +75,7 @@ def render(title: str, sections: Iterable[Section], pictures: "Mapping[str, Pict
 def write_page(
     folder: Path, title: str, sections: Sequence[Section], file: str = "report.html"
 ) -> list[Path]:
-    """Write each figure as PNG and SVG, and the page; return the files, the page last.
-
-    The folder is made if it is absent, and each file of the same name replaced atomically. Raises
-    OSError when it cannot be written.
-    """
+    """Write each figure as PNG and SVG, and the page; return the files, the page last."""
     drawn = {name: draw for section in sections for name, draw in section.figures.items()}
     pictures = {name: Picture.of(draw) for name, draw in drawn.items()}
     written = []

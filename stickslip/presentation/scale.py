@@ -13,10 +13,7 @@ COLUMNS = 700  # More than a printed page's width resolves
 
 
 def thinned(t: Array, signal: Array, columns: int = COLUMNS) -> tuple[Array, Array]:
-    """Return a signal (n,) at times (n,) with at most 2 columns values, which draw the same line.
-
-    They are the least and the largest of each stretch of time, in their order.
-    """
+    """Return the extremes of stretches of a signal (n,) at times (n,), which draw the same line."""
     if len(t) <= 2 * columns:
         return t, signal
     kept = []

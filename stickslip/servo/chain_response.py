@@ -119,10 +119,7 @@ class ChainResponse:
     def responses(
         self, axes: Sequence[OpenLoop], values: Mapping[str, float], friction: float
     ) -> list[Response]:
-        """Return how a loop with the chain responds on several axes; none if it is unstable on one.
-
-        Each axis is the loop opened on it, at ``frequencies``.
-        """
+        """Return how a loop with the chain responds opened on several axes; none if unstable."""
         measured = self._impulses(axes[0].loop, values, friction) if self._simulation else {}
         found = [opened.response_with(measured) for opened in axes]
         return [response for response, _ in found] if all(stable for _, stable in found) else []

@@ -96,10 +96,7 @@ def build_fmus(
 
 
 def for_all_platforms(system: cosim.System, folder: Path, truth: Changes, law: str) -> cosim.System:
-    """Return a system of FMUs of ``build_fmus`` with the same FMUs, built for all platforms.
-
-    They are built in the folder; truth and law are as for ``build_fmus``.
-    """
+    """Return a system with the same FMUs, built into a folder for all platforms."""
     fmus = system.fmus("a loop")
     build_fmus(
         folder, truth, law, {fmu.path.stem for fmu in fmus.values()}, platforms=PLATFORMS.values()

@@ -58,11 +58,7 @@ class Manifest:
 
     @classmethod
     def read(cls, folder: Path) -> "Manifest":
-        """Read it from a folder.
-
-        Raises ResultsError when there is none, or none that can be trusted to name files of the
-        folder.
-        """
+        """Read it from a folder; raise ResultsError where none is there that can be trusted."""
         path = folder / MANIFEST
         try:
             require_regular_file(path)

@@ -104,11 +104,7 @@ def completed(
 
 
 def complete(folder: Path) -> None:
-    """Move in what a killed process left ready.
-
-    Raises UsageError when another process writes there, or this one may not, or ResultsError when a
-    file cannot be moved.
-    """
+    """Move in what a killed process left ready; raise UsageError or ResultsError."""
     if os.path.lexists(folder / READY):
         with locked(folder), held():
             _move_in(folder)

@@ -541,10 +541,7 @@ class LoopRuns(ExitStack):
     def outcomes(
         self, loops: Sequence[Mapping[str, float]], cells: Sequence[Cell], *, in_lanes: bool = True
     ) -> list[list[Outcome]]:
-        """Return the run with each of some parameters in each cell, or why it failed.
-
-        It is ``Diverged`` where the drive has run away. Lanes have the bits of the FMUs.
-        """
+        """Return the run with each of some parameters in each cell, or why it failed."""
         found: dict[tuple[int, int], Outcome] = {}
         for law in steps(list(dict.fromkeys(drive.law for drive, _ in cells))):
             own = [k for k, (drive, _) in enumerate(cells) if drive.law == law]

@@ -118,10 +118,7 @@ class LoopCost(Closing):
         return ratios
 
     def _errors(self, tuned: TunedLoop) -> list[dict[str, float]]:
-        """Return of the drive and each model the errors by kind of motion.
-
-        Of the drive also the change of the force [N].
-        """
+        """Return of drive and models the errors by motion; of the drive also force changes [N]."""
         errors = []
         for case in self._cases:
             runs, modelled = case.runs, case.runs is not self._own

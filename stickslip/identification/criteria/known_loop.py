@@ -323,10 +323,7 @@ class OutputError(Criterion):
 
 
 def predictor_error(signal: Array, order: int) -> Array:
-    """Return the filter (order + 1,) whose output is the one-step prediction error of a signal.
-
-    Source: Yule and Walker; L. Ljung, System Identification, 2nd ed., chapter 4.
-    """
+    """Return the filter (order + 1,) of a signal's one-step prediction error (Yule and Walker)."""
     n = len(signal)
     correlation = np.array([signal[k:] @ signal[: n - k] for k in range(order + 1)]) / n
     if correlation[0] <= 0.0:

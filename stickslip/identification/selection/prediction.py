@@ -127,11 +127,7 @@ def predictions(
     among: Iterable[Candidate] | None = None,
     workers: int = 1,
 ) -> list[Prediction]:
-    """Return the prediction of each law of the catalogue, or of those given.
-
-    Raises IdentificationError when the recording does not show a drive that slides, or UsageError
-    when it lacks a signal.
-    """
+    """Return the prediction of each law of the catalogue, or of those given."""
     scale = recording_scale(recording)
     scaled, _ = against_motion(scale.recording(recording))
     found = []
@@ -200,10 +196,7 @@ def _shown(fitted: Fit) -> tuple[str, ...]:
 
 
 def held_out(inverse: InverseModel, fitted: Fit) -> Array:
-    """Return measured minus predicted force (k,) [N], each sample by a fit that did not see it.
-
-    The fit of a fold follows from that of all samples by Gauss steps with its Jacobian.
-    """
+    """Return measured minus predicted force (k,) [N], each sample by a fit that did not see it."""
     found = np.empty_like(fitted.residual)
     for fold in folds(len(found), memory(inverse)):
         found[fold.held_out] = _without(inverse, fitted, fold)[fold.held_out]

@@ -109,10 +109,7 @@ def varying(values: Mapping[str, float], x: Array) -> Array | None:
 
 
 def _names(*, gravity: bool, loads: bool, orders: Sequence[int]) -> list[str]:
-    """Return the names of F_0 and the terms in the order of ``_columns``, the pitch last.
-
-    Behind those of the weight are those of the friction over it.
-    """
+    """Return the names of F_0 and the terms in the order of ``_columns``, the pitch last."""
     names = ["F_0", *(("g_s", "g_c") if gravity else ()), *(("mu_g", "F_c") if loads else ())]
     names += [f"cogging_{wave}[{k}]" for k in orders for wave in "sc"]
     return [*names, "pitch"] if orders else names
@@ -446,7 +443,8 @@ class _Log:
             variance += np.diag(covariance)[own].tolist()
             if terms.loads:
                 mean = float(terms.weight(rows.x)[design.used].mean())
-                level = _without_weight(design, mean)
+                level = _usual(design, "F_c", "curve")  # Coulomb friction without a mean weight
+                level[len(FIXED) + 2] = -mean
                 row.insert(4, level @ c)
                 variance.insert(4, level @ covariance @ level)
             values.append(row)
@@ -515,13 +513,6 @@ def _usual(design: Design, name: str, group: str) -> Array:
     begin = design.fixed.shape[1] + sum(count[:place])
     typical = np.log([np.median(design.speed)])
     weights[begin : begin + count[place]] = design.size * hats(typical, design.knots)[0]
-    return weights
-
-
-def _without_weight(design: Design, weight: float) -> Array:
-    """Return the weights (k,) that give Coulomb friction without a mean weight [N] of the arm."""
-    weights = _usual(design, "F_c", "curve")
-    weights[len(FIXED) + 2] = -weight
     return weights
 
 

@@ -18,7 +18,7 @@ from stickslip.papers.lugre.page import FILES as REPORT
 from stickslip.papers.lugre.published import START, TABLES, PublishedStudy
 from stickslip.papers.lugre.reproduction import Options, Reproduction
 from stickslip.presentation.page import picture_files, write_page
-from stickslip.servo.systems import Compensator, deployed, for_all_platforms
+from stickslip.servo.systems import Compensator, build_loop, deployed, for_all_platforms
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.simulation import pack_input
 from stickslip.storage import staged
@@ -64,7 +64,8 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
                 models.build_fmu(one.model, staging, start=one.values, called=name)
         write_json(reproduction_document(reproduction), staging / "learned.json")
         write_loop(reproduction.system, loop, staging / "loop.ssp", options)
-        write_loop(reproduction.learned_system(), best.loop, staging / LEARNED_LOOP[0], own)
+        system = build_loop(loops.study.rig.fmus, best.loop, best.chain())
+        write_loop(system, best.loop, staging / LEARNED_LOOP[0], own)
         write_report(reproduction, staging)
 
 

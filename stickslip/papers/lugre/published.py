@@ -77,10 +77,7 @@ class PublishedStudy:
         return pd.DataFrame(np.exp(logs.groupby("motion", sort=False).mean()))
 
     def panel(self) -> pd.DataFrame:
-        """Tabulate the methods: seeds, runs (median), cost, then what is left in each motion.
-
-        Medians with ranges: of the cost [m^2/s^2] over seeds, of the rest over seeds and phases.
-        """
+        """Tabulate the methods: seeds, runs, cost, and what is left in each motion, with ranges."""
         rows = []
         for method, seeds in self.seeds.items():
             found = {"cost": pd.DataFrame([self.costs(method)])}

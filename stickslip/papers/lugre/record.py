@@ -58,11 +58,7 @@ def loops_of_drive(sheet: Datasheet, estimation: Estimation) -> Loops:
 def learn_from_recording(
     rig: FmuRig, seed: int, search: Search, progress: Progress
 ) -> LearnedFromRecording:
-    """Record a drive once, learn from the recording and design the loops.
-
-    Raises stickslip.errors.IdentificationError, stickslip.servo.axis.ControlError when the drive
-    does not show what is looked for, or cannot be recorded.
-    """
+    """Record a drive once, learn from the recording and design the loops, or raise."""
     progress.stage("recording the drive")
     recording = record_drive(rig)
     return learn_recording(

@@ -23,7 +23,7 @@ from stickslip.papers.lugre.steps import steps, with_steps
 from stickslip.papers.lugre.tables import table2
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
-from stickslip.servo.systems import Changes, build_fmus, build_loop, drive_law, paper_loop
+from stickslip.servo.systems import Changes, build_fmus, drive_law, paper_loop
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.studies.learn.learned import Learned
 from stickslip.studies.learn.rig_learning import LearnedOnRig, learn_on_rig
@@ -77,11 +77,6 @@ class Reproduction(BaseResult):
     cost_without: float  # of the training run without compensation [m^2/s^2]
     motions: Evaluation  # all motions with each step
     loops: LoopTuning  # the loop as it was learned, and what each step before it brings
-
-    def learned_system(self) -> cosim.System:
-        """Return the loop that was learned, as a system of FMUs."""
-        best, fmus = self.loops.best.tuned, self.loops.study.rig.fmus
-        return build_loop(fmus, best.loop, best.chain())
 
     def table2(self) -> pd.DataFrame:
         """Return Table 2 with what was found."""

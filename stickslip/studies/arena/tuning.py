@@ -203,11 +203,7 @@ class _Rig(FmuRig):
 def _experiments(
     fmus: Path, loop: VelocityLoop, one: Entrant, sheet: Datasheet, seed: int
 ) -> tuple[dict[str, float], float]:
-    """Return the parameters that the parts of an entrant learn by experiments, and the motion [s].
-
-    They need a rig, thus the encoder and the motor force of the drive only. Raises
-    IdentificationError when the drive does not show what an experiment looks for.
-    """
+    """Return what parts learn by experiments on a rig of the drive, and their motion [s]."""
     found, seconds = dict[str, float](), 0.0
     for part in one.parts:
         if not part.experiment or part.law is None:

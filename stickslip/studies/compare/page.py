@@ -42,11 +42,7 @@ LONGEST = 190.0  # Of all lines of a panel [mm]
 def drives_sections(
     parameters: Table, head: Html, file: str, errors: Table | None = None
 ) -> list[Section]:
-    """Return the sections of a page on several drives, with a figure of this name.
-
-    The tables have the columns ``tables.PARAMETERS`` and ``tables.ERRORS``. A drive that failed has
-    a row without a parameter.
-    """
+    """Return the sections of a page on several drives, with a figure of this name."""
     table = parameters.frame()
     learned = [row for row in parameters.rows if isinstance(row.get("parameter"), str)]
     order = {name: k for k, name in enumerate(dict.fromkeys(row["parameter"] for row in learned))}

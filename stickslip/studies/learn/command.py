@@ -44,7 +44,6 @@ if TYPE_CHECKING:
     from stickslip.studies.learn.folder import Written
     from stickslip.studies.learn.learned import LearnedFromRecording
     from stickslip.studies.learn.predicted_logs import PredictedLog
-    from stickslip.studies.learn.verdict import Verdict
 
 CRITERIA: dict[str, CriterionName] = {
     "auto": "auto",
@@ -168,7 +167,7 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
     from stickslip.studies.learn.document import log_document
     from stickslip.studies.learn.folder import write_learned
     from stickslip.studies.learn.log_learning import learn
-    from stickslip.studies.learn.verdict import verdict_of
+    from stickslip.studies.learn.verdict import lines, verdict_of
 
     with (
         TerminalProgress(findings=options.verbose) as progress,
@@ -193,7 +192,9 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
         if options.out:
             progress.stage("writing the results")
             written = write_learned(learned, options.out, force=options.force)
-    _print_verdict(written.verdict if written else verdict_of(learned), options.out)
+    verdict = written.verdict if written else verdict_of(learned)
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+    print(*lines(verdict, options.out, width), sep="\n")
     if options.verbose:
         print_estimation(learned.estimation, learned.predicted)
         _print_trial(learned)
@@ -204,14 +205,6 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
         if learned.other_gains:
             print(learned.other_gains.sentence)
     return (written.document() if written else log_document(learned)) | {"folder": options.out}
-
-
-def _print_verdict(verdict: Verdict, folder: Path | None) -> None:
-    """Print the verdict, in lines as long as those of a terminal."""
-    from stickslip.studies.learn.verdict import lines
-
-    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
-    print(*lines(verdict, folder, width), sep="\n")
 
 
 def _print_trial(learned: LearnedFromRecording) -> None:

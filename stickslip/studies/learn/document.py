@@ -5,7 +5,6 @@ from typing import Any
 
 from stickslip.catalog.parameters import start_unit, unit_of
 from stickslip.evaluation.motions import VALIDATION
-from stickslip.identification.sliding.friction_curve import FrictionCurve
 from stickslip.learned import writing
 from stickslip.models.export.units import motion_unit
 from stickslip.output import plain
@@ -45,8 +44,14 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         document["predicted_logs"] = tables.predicted_logs(
             learned.predicted, rotary=rotary
         ).records()
-    if estimation.friction_curve is not None:
-        document["friction_curve"] = curve_document(estimation.friction_curve, rotary=rotary)
+    if (curve := estimation.friction_curve) is not None:  # with viscous friction, 95 % intervals
+        speed, force = unit_of("v_s", rotary=rotary), unit_of("F_c", rotary=rotary)
+        friction = {key: plain(getattr(curve, key)) for key in ("value", "low", "high")}
+        document["friction_curve"] = {
+            "speed": state(curve.speed, speed),
+            "friction": {**friction, "unit": force},
+            "offset": state(curve.offset, force),
+        }
     if estimation.position_force is not None:
         document["position_force"] = tables.position_force(estimation).by_key()
     if loop is not None:
@@ -55,17 +60,6 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
             "validation": writing.validation_document(VALIDATION, rotary=rotary),
         }
     return document | writing.law_entry(estimation.law) | {"versions": writing.versions()}
-
-
-def curve_document(curve: FrictionCurve, *, rotary: bool) -> dict[str, Any]:
-    """Return friction at the speeds visited with its 95 % intervals, viscous friction with it."""
-    speed, force = unit_of("v_s", rotary=rotary), unit_of("F_c", rotary=rotary)
-    friction = {key: plain(getattr(curve, key)) for key in ("value", "low", "high")}
-    return {
-        "speed": state(curve.speed, speed),
-        "friction": {**friction, "unit": force},
-        "offset": state(curve.offset, force),
-    }
 
 
 def log_document(learned: LearnedFromRecording) -> dict[str, Any]:

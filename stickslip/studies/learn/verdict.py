@@ -339,10 +339,7 @@ def _doubts(learned: LearnedFromRecording) -> Iterator[str]:
 
 
 def lines(verdict: Verdict, folder: Path | None, width: int | None) -> list[str]:
-    """Return the verdict as lines of a terminal, the last doubts left out where it is too long.
-
-    Without a width lines are not wrapped.
-    """
+    """Return the verdict as lines of a terminal of a width, the last doubts left out if long."""
     more = f"{folder}/report.html shows all; " if folder else "--out DIR writes it and a page; "
     if folder and verdict.files:
         more += f"{folder}/deploy/steps.html tells how to deploy; "

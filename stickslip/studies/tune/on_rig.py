@@ -11,6 +11,7 @@ from dataclasses import replace
 from statistics import geometric_mean
 
 import numpy as np
+from numpy.random import default_rng
 
 from stickslip.errors import LimitError, UsageError
 from stickslip.evaluation import tracking
@@ -137,12 +138,6 @@ def _with(found: TunedDrive, taken: Step | None) -> TunedDrive:
     return replace(found, best=taken.loop, rows=taken.rows, Ms=(found.Ms[0], taken.Ms))
 
 
-def _least_errors(step: float, T_s: float) -> tuple[float, float]:
-    """Return the errors of velocity [m/s] and position [m] that steps of an encoder [m] show."""
-    places = step * (np.random.default_rng(0).random(4096) - 0.5)
-    return float(np.std(tracking.measured_velocity(places, T_s))), step / math.sqrt(12.0)
-
-
 class RigTest:
     """Runs motions on a rig and compares them with those of the present loop."""
 
@@ -150,10 +145,12 @@ class RigTest:
         self.rig, self.learned, self.start = rig, learned, start
         self.motions: list[RigMotion] = []
         loop, self._T_s = start.loop, rig.T_s
-        held = hold_time(loop, learned.friction, rig.datasheet.encoder_step)
-        self._hold = round(held / self._T_s)
+        step = rig.datasheet.encoder_step
+        self._hold = round(hold_time(loop, learned.friction, step) / self._T_s)
         self._crossover = min(loop.K_p / (2.0 * math.pi * loop.axis.m), 0.2 / self._T_s)  # [Hz]
-        self._shown = _least_errors(rig.datasheet.encoder_step, self._T_s)
+        # Errors of velocity [m/s] and position [m] that the steps of the encoder show
+        noise = tracking.measured_velocity(step * (default_rng(0).random(4096) - 0.5), self._T_s)
+        self._shown = float(np.std(noise)), step / math.sqrt(12.0)
         bounds = rig.bounds
         self._peak = min(rig.datasheet.peak_force, bounds.force if bounds else math.inf)
 
