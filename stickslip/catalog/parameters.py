@@ -32,10 +32,7 @@ def unseen(value: float) -> Estimate:
 
 
 def correlation_length(residual: Array, lags: int | None = None) -> float:
-    """Return how many neighbouring samples say the same: 1 for white noise.
-
-    The sum of the autocorrelation up to its first value below 0.05, or so many lags, both sides.
-    """
+    """Return how many neighbouring samples say the same by autocorrelation; 1 for white noise."""
     centred = residual - residual.mean()
     power = np.abs(np.fft.rfft(centred, 2 * len(centred))) ** 2
     correlation = np.fft.irfft(power)[: len(centred)][:lags]

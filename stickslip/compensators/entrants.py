@@ -389,10 +389,7 @@ def parts() -> dict[str, Part]:
 
 
 def default_names() -> list[str]:
-    """Return the names of all entrants: every part that adds a force, then the combinations.
-
-    Each that leaves the gains of the controller as designed also competes with tuned gains.
-    """
+    """Return the names of all entrants: parts, combinations, and both with tuned gains as well."""
     tables = content()
     alone = [name for name in part_names() if name not in tables["behind"]]
     names = [*alone, *tables["combinations"]]

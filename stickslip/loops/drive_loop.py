@@ -96,10 +96,7 @@ class DriveLoop:
     def problem(
         self, ranges: Mapping[str, tuple[float, float]], fixed: Collection[str] = ()
     ) -> ga.Problem:
-        """Return what is searched: gains, share and gains of the observer, or other ranges.
-
-        Raises UsageError when a name is not one of ``tunable``, or nothing is left.
-        """
+        """Return what is searched: gains, share and gains of the observer, or other ranges."""
         values, components = self.tunable, {name.partition(".")[0] for name in self.tunable}
         for name in (*ranges, *(one for one in fixed if one not in components)):
             if name not in values:

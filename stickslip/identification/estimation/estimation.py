@@ -14,7 +14,7 @@ from stickslip.identification.estimation.faults import HeldOut
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.identifiability import Identifiability
 from stickslip.identification.fitting.start import Start
-from stickslip.identification.selection import Choice
+from stickslip.identification.selection.choice import Choice
 from stickslip.identification.sliding.friction_curve import FrictionCurve
 from stickslip.identification.sliding.position_force import PositionForce
 from stickslip.logs import Finding, Recording

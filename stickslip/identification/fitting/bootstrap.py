@@ -160,10 +160,7 @@ class UnbiasedFit:
 
     @property
     def model_error(self) -> float:
-        """Ratio of the residual to that from encoder and noise, the larger of two.
-
-        Before whitening it shows slow errors; whitened, those that the bootstrap takes for noise.
-        """
+        """Ratio of the residual to that from encoder and noise, as it is or whitened."""
         return max(self.found / self.expected, self.unexplained)
 
 

@@ -17,7 +17,8 @@ from stickslip.fmi.messages import escaped
 from stickslip.identification.estimation import Estimation, LearnSettings, Task, candidate_fmus
 from stickslip.identification.estimation import learn as estimate
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
-from stickslip.identification.selection import choose, predictions
+from stickslip.identification.selection.choice import choose
+from stickslip.identification.selection.prediction import predictions
 from stickslip.identification.sliding.log_offsets import with_log_offsets
 from stickslip.identification.sliding.position_force import (
     block_parameters,

@@ -44,27 +44,16 @@ def tune_on_rig(
     rig: Rig,
     learned: LearnedFile,
     settings: TuneSettings | None = None,
-    motions: int = MOTIONS,
+    motions: int = MOTIONS,  # of the rig, at most
     *,
     progress: Progress = SILENT,
 ) -> TunedDrive:
     """Tune the loop of a learned drive, and take what also helps in a few motions of the drive.
 
-    An observer would have to run in the drive; the loop that is tuned has none.
-
-    Parameters
-    ----------
-    motions : budget
-
-    Raises
-    ------
-    LimitError
-        When a limit of the rig ends a motion of the present loop.
-    RigError
-        When a motion did not end otherwise; the drive is not moved again.
-    UsageError
-        When the file has no loop, its sample period is not that of the rig, or no motion of the
-        trial keeps the limits of the rig.
+    An observer would have to run in the drive; the loop that is tuned has none. Raises LimitError
+    when a limit of the rig ends a motion of the present loop, RigError when a motion did not end
+    otherwise; UsageError when the file has no loop, its sample period is not that of the rig, or no
+    motion of the trial keeps the limits of the rig.
     """
     settings, start = settings or TuneSettings(), replace(DriveLoop.of(learned), observer=None)
     T_s, limits = start.loop.T_s, rig.bounds

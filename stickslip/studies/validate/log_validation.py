@@ -35,10 +35,7 @@ def read_log(
     learned: LearnedFile,
     on_findings: Callable[[Iterable[logs.Finding]], object] = lambda _: None,
 ) -> LogInLoop:
-    """Read a log of a learned drive; its controller is the one given, or that of the file.
-
-    Raises RecordingError, UsageError when it cannot be read, or is of another kind of drive.
-    """
+    """Read a log of a learned drive; its controller is the one given, or that of the file."""
     reading, findings = logs.read_and_check(path, description, known=learned.with_position_force)
     logs.raise_errors(path, findings)
     on_findings(findings)
