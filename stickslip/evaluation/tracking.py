@@ -167,21 +167,13 @@ def commanded_position(recording: Recording) -> Array:
 
 
 def simulate(
-    fmus: Path,
-    recording: Recording,
-    gains: Mapping[str, float],
+    fmus: Path,  # folder of the candidate's FMUs, see ``candidate_fmus``
+    recording: Recording,  # gives commands, start and the encoder's steps
+    gains: Mapping[str, float],  # of the controller FMU by name
     drive: LearnedDrive,
-    force_limit: float | None = None,
+    force_limit: float | None = None,  # of motor or amplifier [N]
 ) -> dict[str, SimulatedMotion]:
-    """Return the motion of the drive by variant: without and with compensator, without friction.
-
-    Parameters
-    ----------
-    fmus : folder of the candidate's FMUs, see ``candidate_fmus``
-    recording : gives commands, start and the encoder's steps
-    gains : of the controller FMU by name
-    force_limit : of motor or amplifier [N]
-    """
+    """Return the motion of the drive by variant: without and with compensator, without friction."""
     case = _Case(recording, gains, drive, force_limit)
     force = case.scale.force * feedforward(recording, drive)
     # What the drive holds by its position acts without a compensator, and is cancelled with it.
@@ -266,9 +258,10 @@ def feedforward(recording: Recording, drive: LearnedDrive) -> Array:
         return np.zeros_like(recording.t)
     v = commanded_velocity(recording)
     lead = 0.0
-    if drive.reference is not None:
-        lead = drive.reference.axis.tau_i
-        v = _response(drive.reference, recording.t, v)
+    if (loop := drive.reference) is not None:  # it may sample at other times
+        lead, t = loop.axis.tau_i, recording.t
+        own = np.arange(round(t[-1] / loop.T_s) + 1) * loop.T_s
+        v = np.interp(t, own, loop.response(np.interp(own, t, v))[0])
         v = np.append(v[1:], v[-1])  # of the end of the step
     law = (one.law or drive.law) if models.load_model(one.model).law else None
     fixed = {name: x for name, x in one.ports.axis.items() if not isinstance(x, str)}
@@ -282,10 +275,3 @@ def feedforward(recording: Recording, drive: LearnedDrive) -> Array:
         with system.prepare(step=recording.T_s, stop=stop, record=(output,)) as simulation:
             shown = simulation.run({}, {"v": v})[output]
     return np.append(shown[1:], shown[-1])  # row n + 1 shows the force from sample n on
-
-
-def _response(loop: VelocityLoop, t: Array, v_cmd: Array) -> Array:
-    """Return the velocity (n,) [m/s] of a loop without friction; it may sample at other times."""
-    own = np.arange(round(t[-1] / loop.T_s) + 1) * loop.T_s
-    inputs = np.interp(own, t, v_cmd)
-    return np.interp(t, own, loop.response(inputs)[0])

@@ -160,11 +160,7 @@ def tune(
     sheet: Datasheet,
     speed: float = SPEED,
 ) -> TuningResult:
-    """Tune an entrant on the drive in a folder of FMUs, at a speed [m/s].
-
-    Raises NothingLearned when no candidate of the first generation can be run within the limit of
-    Ms.
-    """
+    """Tune an entrant on a drive at a speed [m/s]; raise NothingLearned where Ms allows nothing."""
     commands = [command.scaled(speed / SPEED) for command in TRAINING]
     coarse, plain = measure(fmus, loop, seed, sheet, commands)
     shown, spent = _experiments(fmus, loop, one, sheet, seed)
