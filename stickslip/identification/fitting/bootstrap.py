@@ -86,16 +86,12 @@ def surrogate_loop(inverse: InverseModel, values: Values) -> KnownLoop:
     # The motion shows what was added; without its known force the loop begins balanced.
     led = replace(led, added_force=None, added_velocity=None, known_force=None)
     led = replace(led, friction_factor=None)
-    gains = _gains(values, T_s)
-    return KnownLoop(inverse.fmus, led, gains, encoder=True, workers=inverse.runs.workers)
-
-
-def _gains(values: Values, T_s: float) -> dict[str, float]:
-    """Return a cascade for the fitted mass whose integral starts at the constant force."""
+    # A cascade for the fitted mass, whose integral starts at the constant force.
     rate = 2.0 * np.pi * BANDWIDTH / T_s  # [rad/s]
     K_p = rate * values["m"]
     gains = {"K_p": K_p, "K_i": K_p * rate / 8.0, "K_x": rate / 4.0, "tau_f": T_s, "T_s": T_s}
-    return {**gains, HELD: values["F_0"]}
+    gains[HELD] = values["F_0"]
+    return KnownLoop(inverse.fmus, led, gains, encoder=True, workers=inverse.runs.workers)
 
 
 def resimulated(
