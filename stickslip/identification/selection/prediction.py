@@ -133,9 +133,7 @@ def predictions(
     found = []
     with threadpool_limits(limits=1, user_api="blas"):
         if gains is not None:
-            with candidate_fmus() as fmus:
-                scaled, check = check_controllers(fmus, scaled, fmu_gains(scale.values(gains)))
-            gains = check.gains if check.error <= control_match.EXACT else None
+            scaled, gains = _believed(scaled, scale.values(gains))
         for candidate in steps(candidates() if among is None else tuple(among)):
             with (
                 candidate_fmus(candidate.law.name) as fmus,
@@ -145,6 +143,15 @@ def predictions(
                 one = predict(inverse, fitted, candidate, gains)
             found.append(one.restored(scale))
     return found
+
+
+def _believed(
+    recording: Recording, gains: Mapping[str, float]
+) -> tuple[Recording, Mapping[str, float] | None]:
+    """Return the gains, with the controller's initial state, if they command the logged force."""
+    with candidate_fmus() as fmus:
+        found, check = check_controllers(fmus, recording, fmu_gains(gains))
+    return found, check.gains if check.error <= control_match.EXACT else None
 
 
 def predict(
