@@ -197,7 +197,7 @@ class _Lines:
 def _columns(
     lines: _Lines, dialect: Dialect, head: Header, findings: list[Finding]
 ) -> tuple[list[_Column], NDArray[np.intp]]:
-    """Return the columns below a header, and the numbers (n,) of their rows; RecordingError."""
+    """Return the columns below a header, and numbers (n,) of their rows; raise RecordingError."""
     columns = [_Column() for _ in range(head.width)]
     numbered = [np.empty(0, dtype=np.intp)]
     wrong: dict[int, int] = {}

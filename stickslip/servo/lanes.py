@@ -206,7 +206,7 @@ class Lanes:
         return own | {name: whole[name] for name in self._whole & own.keys()}
 
     def _external(self, inputs: Mapping[str, Input], values: Array, n: int) -> Array:
-        """Return the exposed inputs (n + 1, number); ValueError where they are not numbers."""
+        """Return the exposed inputs (n + 1, number); raise ValueError without numbers."""
         exposed = self._plan.spec.system.inputs
         table = np.empty((n + 1, len(exposed)))
         for column, (name, targets) in enumerate(exposed.items()):

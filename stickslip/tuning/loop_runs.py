@@ -84,7 +84,7 @@ def tuned_loop(
     friction: Mapping[str, float],  # parameters of the law by name
     sheet: Datasheet,
 ) -> TunedLoop:
-    """Return a candidate's loop; ControlError when it is unstable or has no observer."""
+    """Return a candidate's loop; raise ControlError when it is unstable or has no observer."""
     axis, T_s, F_c = reference.axis, reference.T_s, friction["F_c"]
     gains = {name: genes[name] * getattr(reference, name) for name in ("tau_f", "K_p", "K_i")}
     loop = close_velocity_loop(axis, T_s, **gains, m_ff=genes["m_ff"] * axis.m)

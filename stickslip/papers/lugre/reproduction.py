@@ -103,7 +103,7 @@ def build_rig(options: Options, fmus: Path, progress: Progress) -> FmuRig:
 
 
 def validated(options: Options, rig: FmuRig, learned: Learned, progress: Progress) -> BaseResult:
-    """Run the trapezoid without and with what was learned, and join the truth; ControlError."""
+    """Run the trapezoid without and with what was learned; return it with the truth; or raise."""
     plain, loop, _ = learned.designed
     progress.stage("validating")
     validation = validate(rig, loop, learned.friction, VALIDATION, plain=plain, phases=PHASES)

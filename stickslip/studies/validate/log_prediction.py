@@ -96,7 +96,7 @@ def predict_log(
     drive: LearnedDrive,
     errors: Mapping[str, float],  # standard errors of the drive's parameters by name
 ) -> LogPrediction:
-    """Return what a learned drive predicts of a log; UsageError where it lacks motion or force."""
+    """Return what a learned drive predicts of a log; raise UsageError without motion or force."""
     scale = motion.recording_scale(recording)
     scaled_gains = None if gains is None else scale.values(gains)
     scaled, values = scale.recording(recording), scale.values(drive.values)
