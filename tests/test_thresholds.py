@@ -31,7 +31,8 @@ from stickslip.identification.fitting.identifiability import (
     conservative,
 )
 from stickslip.identification.fitting.start import Start
-from stickslip.identification.selection import choice, choose, prediction
+from stickslip.identification.selection import choice, prediction
+from stickslip.identification.selection.choice import choose
 from stickslip.identification.sliding import (
     checked_logs,
     friction_curve,

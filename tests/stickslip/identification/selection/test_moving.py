@@ -7,8 +7,9 @@ import pytest
 
 from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.held_out import blocks, folds, is_less
-from stickslip.identification.selection import prediction, predictions
+from stickslip.identification.selection import prediction
 from stickslip.identification.selection.folds import moving
+from stickslip.identification.selection.prediction import predictions
 from stickslip.logs import Recording
 from stickslip.planning import plan
 from tests.kept import further
