@@ -85,7 +85,7 @@ def _wiring(i: int, part: structures.Component) -> str:
         "n_linked": part.n_linked,
         "tolerance": repr(part.tolerance),
     }
-    return _struct(members)
+    return "{" + ", ".join(f".{name} = {value}" for name, value in members.items()) + "}"
 
 
 def _start(system: System, place: Mapping[str, int], name: str, value: Value) -> str:
@@ -111,10 +111,6 @@ def _variable(
         part, reference = place[component_of(v.source)], system.variable(v.source).reference
     start = 0.0 if v.start is None else float(v.start)  # type: ignore[arg-type]
     return f"{{{_text(v.name)}, {v.type}, {v.role}, {part}, {reference}, {column}, {start!r}}}"
-
-
-def _struct(members: Mapping[str, object]) -> str:
-    return "{" + ", ".join(f".{name} = {value}" for name, value in members.items()) + "}"
 
 
 def _table(head: str, rows: Sequence[str]) -> str:

@@ -41,10 +41,8 @@ class StepMap:
         }
         self.states = tuple(variables)
         if not self.states:
-            raise LinearisationError(
-                f"{system.name} has no states that can be set: continuous variables with a start"
-                " value; measure its frequency response instead"
-            )
+            what = "continuous variables with a start value; measure its frequency response instead"
+            raise LinearisationError(f"{system.name} has no states that can be set: {what}")
         self._watched = variables | {
             f"{name}.{v.name}": v
             for name, fmu in system.components.items()
@@ -67,10 +65,8 @@ class StepMap:
         two = self._run(x, [u, later, later], self._watched)
         ignored = np.abs(two[0, :n] - x) > _TOLERANCE * np.maximum(np.abs(x), self.x_size)
         if ignored.any():
-            raise LinearisationError(
-                f"{name} does not start from the given values of"
-                f" {', '.join(np.array(self.states)[ignored])}; {_INSTEAD}"
-            )
+            given = f"the given values of {', '.join(np.array(self.states)[ignored])}"
+            raise LinearisationError(f"{name} does not start from {given}; {_INSTEAD}")
         one = self._run(two[1, :n], [later] * 3, self._watched)
         if names := self._off(two, two[2:], one[1:2], _HIDDEN):
             raise LinearisationError(

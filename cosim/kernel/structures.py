@@ -20,9 +20,8 @@ _TEXT = re.sub(
     "".join(Path(__file__).with_name(f"{h}.h").read_text(encoding="utf-8") for h in _HEADERS),
     flags=re.DOTALL,
 )
-_BODIES = {
-    name: body for body, name in re.findall(r"typedef struct[\w ]*\{([^{}]*)\} (\w+);", _TEXT)
-}
+_STRUCTURES = re.findall(r"typedef struct[\w ]*\{([^{}]*)\} (\w+);", _TEXT)
+_BODIES = {name: body for body, name in _STRUCTURES}
 
 
 def calls(table: str) -> list[list[str]]:

@@ -76,10 +76,8 @@ class Simulation:
         self._reuse.before_repetition = call
 
     def __repr__(self) -> str:
-        spec = self.spec
-        return (
-            f"Simulation({spec.system!r}, {spec.start:g} to {spec.stop:g} s, step {spec.step:g} s)"
-        )
+        s = self.spec
+        return f"Simulation({s.system!r}, {s.start:g} to {s.stop:g} s, step {s.step:g} s)"
 
     def run(
         self,
@@ -266,18 +264,15 @@ class Simulation:
         """
         checkpoint = Checkpoint.read(path)
         if difference := differences(checkpoint.identity, identity(self._plan)):
-            raise SimulationError(
-                f"{path} was saved by another system or run: {difference}; make them equal, or run"
-                " from the start"
-            )
+            what = f"{difference}; make them equal, or run from the start"
+            raise SimulationError(f"{path} was saved by another system or run: {what}")
         last = self._plan.step_at(until)
         if checkpoint.step < 0:
             raise SimulationError(f"{path}: the saved state is damaged: step {checkpoint.step}")
         if last <= checkpoint.step:
             reached = self.spec.start + checkpoint.step * self.spec.step
-            raise ExperimentError(
-                f"{path} is at t = {reached:.9g} s already, there is no step left"
-            )
+            when = f"t = {reached:.9g} s already"
+            raise ExperimentError(f"{path} is at {when}, there is no step left")
         parameters = self.spec.system.parameters
         signals, changes = signals_of(inputs), signals_of(tunable)
 

@@ -84,10 +84,8 @@ def parse(file: File, part: str) -> Any:
 def check(root: Any, part: str) -> None:
     """Raise SspError unless an element is of a version that is known, and valid."""
     if root.tag != tag(ROOTS[part]):
-        raise SspError(
-            f"{place(root)}: the root element is {printable(root.tag)}, expected"
-            f" {tag(ROOTS[part])} (in SSP 1.0 and 2.0 alike); export it again for one of these"
-        )
+        what = f"{tag(ROOTS[part])} (in SSP 1.0 and 2.0 alike); export it again for one of these"
+        raise SspError(f"{place(root)}: the root element is {printable(root.tag)}, expected {what}")
     version = root.get("version", "")
     if version not in VERSIONS:
         raise SspError(f"{place(root)}: version is {shown(version)}, expected '1.0' or '2.0'")
@@ -184,10 +182,8 @@ def inside(top: File, base: File, element: Any) -> File:
     except (OSError, ValueError):  # no name that a file can have
         raise SspError(f"{place(element)}: source {source[:99]!r} names no file") from None
     if uri.scheme or uri.netloc or not file.is_relative_to(top.resolve()):
-        raise SspError(
-            f"{place(element)}: source {source!r} lies outside the package; only its own files are"
-            " read: copy it into resources/"
-        )
+        advice = "only its own files are read: copy it into resources/"
+        raise SspError(f"{place(element)}: source {source!r} lies outside the package; {advice}")
     if not found:
         raise SspError(f"{place(element)}: source {source!r} is missing from the package")
     return file

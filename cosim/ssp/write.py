@@ -287,10 +287,8 @@ def _bind(
         parameter = add(parameters, "ssv:Parameter", name=prefix + variable_of(name))
         kind = _type_of(variable, value, version)
         if kind is None:
-            raise SspError(
-                f"{name}: SSP {version} has no values that are arrays or binary; write"
-                " version='2.0'"
-            )
+            what = f"SSP {version} has no values that are arrays or binary; write version='2.0'"
+            raise SspError(f"{name}: {what}")
         written = add(parameter, f"ssv:{kind}", value=_text_of_value(value))
         for length in variable.dimensions:
             add(parameter, "ssc:Dimension", size=str(length))
