@@ -242,7 +242,6 @@ def _cvode(fmu: Fmu) -> Any:
     try:
         return _cvode_table()
     except (ImportError, OSError, AttributeError, StopIteration) as fault:
-        raise FmuError(
-            f"{fmu.path}: Model Exchange needs the solver CVode, which FMPy has for"
-            f" x86_64-linux, x86_64-windows and darwin ({fault}); use its Co-Simulation interface"
-        ) from fault
+        what = f"CVode, which FMPy has for x86_64-linux, x86_64-windows and darwin ({fault})"
+        advice = "use its Co-Simulation interface"
+        raise FmuError(f"{fmu.path}: Model Exchange needs the solver {what}; {advice}") from fault

@@ -278,8 +278,7 @@ def check_memory(points: int, columns: float) -> None:
         return
     needed = points * columns * _NUMBER
     if needed > _SHARE * present:
-        raise ExperimentError(
-            f"the run would keep {points:.3g} points of {columns:.3g} numbers: {needed / 1e9:.3g}"
-            f" GB, where the machine has {present / 1e9:.3g} GB; record less, fewer points or a"
-            " shorter time"
-        )
+        what = f"{points:.3g} points of {columns:.3g} numbers: {needed / 1e9:.3g} GB"
+        room = f"where the machine has {present / 1e9:.3g} GB"
+        advice = "record less, fewer points or a shorter time"
+        raise ExperimentError(f"the run would keep {what}, {room}; {advice}")

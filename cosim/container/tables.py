@@ -91,11 +91,9 @@ def _wiring(i: int, part: structures.Component) -> str:
 def _start(system: System, place: Mapping[str, int], name: str, value: Value) -> str:
     variable = system.variable(name)
     if variable.type not in TYPES or variable.dimensions or variable.array:
-        raise ParameterError(
-            f"{name}: a container cannot set a start value of type {variable.type}"
-            f"{' array' if variable.dimensions or variable.array else ''};"
-            " export the component with this value"
-        )
+        what = f"type {variable.type}{' array' if variable.dimensions or variable.array else ''}"
+        advice = "export the component with this value"
+        raise ParameterError(f"{name}: a container cannot set a start value of {what}; {advice}")
     number = float(value)  # type: ignore[arg-type]  # of a scalar, by the test above
     part = place[component_of(name)]
     return f"{{{part}, {TYPES[variable.type]}, {variable.reference}, {number!r}}}"

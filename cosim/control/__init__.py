@@ -261,10 +261,9 @@ def measure_response(
     if not wanted.size:
         raise ExperimentError("frequencies: expected one or more, got none")
     if not ((wanted > 0.0) & (wanted * step <= 1 / _LEAST)).all():
-        raise ExperimentError(
-            f"frequencies must lie above 0 and up to {1 / (_LEAST * step):g} Hz, a quarter of the"
-            f" sample rate; got {wanted.min():g} to {wanted.max():g} Hz"
-        )
+        what = f"{1 / (_LEAST * step):g} Hz, a quarter of the sample rate"
+        advice = f"got {wanted.min():g} to {wanted.max():g} Hz"
+        raise ExperimentError(f"frequencies must lie above 0 and up to {what}; {advice}")
     names = [input, *outputs]
     found: list[ComplexArray] = []
     reached = np.empty_like(wanted)

@@ -69,11 +69,9 @@ class StepMap:
             raise LinearisationError(f"{name} does not start from {given}; {_INSTEAD}")
         one = self._run(two[1, :n], [later] * 3, self._watched)
         if names := self._off(two, two[2:], one[1:2], _HIDDEN):
-            raise LinearisationError(
-                f"{name} remembers more than its states, or counts time: a second step of"
-                f" {self.dt:g} s takes {names} elsewhere; choose the step of what samples in it,"
-                f" {_INSTEAD}"
-            )
+            why = f"a second step of {self.dt:g} s takes {names} elsewhere"
+            what = f"{name} remembers more than its states, or counts time: {why}"
+            raise LinearisationError(f"{what}; choose the step of what samples in it, {_INSTEAD}")
         self._simulation.close()
         for steps in _WINDOWS:
             try:
@@ -81,10 +79,10 @@ class StepMap:
             except SimulationError:  # it does not go that far
                 break
             if names:
+                what = f"more than the states that can be set ({', '.join(self.states)})"
+                why = f"after {steps} steps of {self.dt:g} s, a run that starts from them takes"
                 raise LinearisationError(
-                    f"{name} remembers more than the states that can be set"
-                    f" ({', '.join(self.states)}): after {steps} steps of {self.dt:g} s, a run that"
-                    f" starts from them takes {names} elsewhere; {_INSTEAD}"
+                    f"{name} remembers {what}: {why} {names} elsewhere; {_INSTEAD}"
                 )
 
     def _off_after(self, steps: int, x: Array, u: Array, later: Array) -> str:
@@ -157,10 +155,9 @@ def _states(component: str, fmu: Fmu) -> list[Variable]:
         instead = _INSTEAD
         if "model_exchange" in fmu.interfaces:
             instead = f"linearise its Model Exchange by leaving out step=, or {_MEASURE}"
-        raise LinearisationError(
-            f"{component} ({fmu.path.name}): a step cannot start from a given value of"
-            f" {', '.join(lost)}, expected a scalar of 64 bits with initial=exact; {instead}"
-        )
+        what = f"a step cannot start from a given value of {', '.join(lost)}"
+        advice = f"expected a scalar of 64 bits with initial=exact; {instead}"
+        raise LinearisationError(f"{component} ({fmu.path.name}): {what}, {advice}")
     return [fmu.variables[state] for state in dict.fromkeys(named.values()) if state is not None]
 
 

@@ -200,10 +200,9 @@ class Simulation:
                 return self._stepper.step(inputs or {})
             except Discarded as discarded:
                 self._heed(discarded)
-                raise SimulationError(
-                    f"{discarded.component} discarded a step; begin the run again with start(): its"
-                    " steps are then tried in parts, or without derivatives of its inputs"
-                ) from None
+                what = "discarded a step; begin the run again with start()"
+                advice = "its steps are then tried in parts, or without derivatives of its inputs"
+                raise SimulationError(f"{discarded.component} {what}: {advice}") from None
 
     def _with_retries(self, attempt: Callable[[], T]) -> T:
         """Run; again, with more care or new instances, where a discarded step or a reset allows."""
@@ -329,10 +328,9 @@ class Simulation:
             self._reuse.free()
 
     def __reduce__(self) -> NoReturn:
-        raise TypeError(
-            f"{self.spec.system.name}: a prepared simulation cannot be pickled or copied, for it"
-            " holds instances of FMUs; pickle simulation.spec, and prepare() it where it arrives"
-        )
+        what = "a prepared simulation cannot be pickled or copied, for it holds instances of FMUs"
+        advice = "pickle simulation.spec, and prepare() it where it arrives"
+        raise TypeError(f"{self.spec.system.name}: {what}; {advice}")
 
     def _value(self, name: str) -> float:
         variable = self.spec.system.variable(name, ParameterError)

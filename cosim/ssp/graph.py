@@ -210,11 +210,9 @@ class Graph:
             or (connector.kind not in _TAKES and converts(is_, declared))
         )
         if roles == {"input", "output"} or differ:
-            raise SspError(
-                f"{place(element)}: {label(end)} is declared as {connector.kind}"
-                f" {connector.type or ''}, its FMU has {variable.causality} {variable.type};"
-                " correct the connector"
-            )
+            what = f"{label(end)} is declared as {connector.kind} {connector.type or ''}"
+            advice = f"its FMU has {variable.causality} {variable.type}; correct the connector"
+            raise SspError(f"{place(element)}: {what}, {advice}")
 
     def _dictionary(self, reference: Node, element: Any) -> Path:
         name = reference.dictionary or ""
@@ -247,9 +245,8 @@ def _converted(unit: Unit | None, other: Unit | None, edge: Edge) -> Scaling:
         return IDENTITY
     scaling = conversion(unit, other)
     if scaling is None:
-        undefined = [
-            f"; no file defines what {u.name!r} is" for u in (unit, other) if u.exponents is None
-        ]
+        unknown = [u.name for u in (unit, other) if u.exponents is None]
+        undefined = [f"; no file defines what {name!r} is" for name in unknown]
         what = f"to {label(edge.target)}: {unit} cannot be converted to {other}{''.join(undefined)}"
         raise SspError(f"{place(edge.element)}: cannot connect {label(edge.source)} {what}")
     return scaling

@@ -18,22 +18,12 @@ from stickslip.fmi.files import read_limited
 from stickslip.fmi.messages import printable, shown
 from stickslip.fmi.xml import Malformed, parse_xml
 
-NAMESPACES = {
-    part: f"http://ssp-standard.org/SSP1/SystemStructure{name}"
-    for part, name in (
-        ("ssd", "Description"),
-        ("ssc", "Common"),
-        ("ssv", "ParameterValues"),
-        ("ssm", "ParameterMapping"),
-        ("ssb", "SignalDictionary"),
-    )
-}
-ROOTS = {
-    "ssd": "ssd:SystemStructureDescription",
-    "ssv": "ssv:ParameterSet",
-    "ssm": "ssm:ParameterMapping",
-    "ssb": "ssb:SignalDictionary",
-}
+_NAMES = {"ssd": "Description", "ssc": "Common", "ssv": "ParameterValues"}
+_NAMES |= {"ssm": "ParameterMapping", "ssb": "SignalDictionary"}
+_SSP1 = "http://ssp-standard.org/SSP1/SystemStructure"
+NAMESPACES = {part: f"{_SSP1}{name}" for part, name in _NAMES.items()}
+ROOTS = {"ssd": "ssd:SystemStructureDescription", "ssv": "ssv:ParameterSet"}
+ROOTS |= {"ssm": "ssm:ParameterMapping", "ssb": "ssb:SignalDictionary"}
 VERSIONS = ("1.0", "2.0")
 STRUCTURE = "SystemStructure.ssd"
 FMU = "application/x-fmu-sharedlibrary"

@@ -99,16 +99,10 @@ def read_experiment(root: Any) -> DefaultExperiment:
     element = root.find("ssd:DefaultExperiment", NAMESPACES)
     if element is None:
         return DefaultExperiment()
-    step = element.find(
-        f"ssd:Annotations/ssc:Annotation[@type='{ANNOTATION}']"
-        f"/{{{OSP}}}Algorithm/{{{OSP}}}FixedStepAlgorithm",
-        NAMESPACES,
-    )
-    times = DefaultExperiment(
-        _time(element, "startTime"),
-        _time(element, "stopTime"),
-        None if step is None else _time(step, "baseStepSize"),
-    )
+    algorithm = f"ssd:Annotations/ssc:Annotation[@type='{ANNOTATION}']/{{{OSP}}}Algorithm"
+    step = element.find(f"{algorithm}/{{{OSP}}}FixedStepAlgorithm", NAMESPACES)
+    start, stop = _time(element, "startTime"), _time(element, "stopTime")
+    times = DefaultExperiment(start, stop, None if step is None else _time(step, "baseStepSize"))
     if times.stop is not None and times.stop <= (times.start or 0.0):
         what = f"expected a time after startTime = {times.start or 0.0} s"
         raise SspError(f"{place(element)}: stopTime is {times.stop} s, {what}")

@@ -143,10 +143,9 @@ def _nested(path: Path, element: Any, document: Document, files: tuple[File, ...
     if file in files:
         raise SspError(f"{place(element)}: system {component(path)!r} contains itself")
     if len(files) > DEEPEST or len(document.opened) > MOST_FILES:
-        raise SspError(
-            f"{place(element)}: system {component(path)!r}: more than {MOST_FILES} nested systems,"
-            f" or more than {DEEPEST} within each other; only so many are read"
-        )
+        what = f"more than {MOST_FILES} nested systems, or more than {DEEPEST} within each other"
+        advice = "only so many are read"
+        raise SspError(f"{place(element)}: system {component(path)!r}: {what}; {advice}")
     inner = Document.read(file, top, document.opened)
     node = _system(path, find(inner.root, "ssd:System"), inner, (*files, file), element)
     node.document = document

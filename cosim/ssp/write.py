@@ -159,9 +159,8 @@ class _Structure:
             members[source] = fmu.path.read_bytes()
             path = path_of(name)
             elements = group(self._body(path[:-1]), "ssd:Elements")
-            self._bodies[path] = add(
-                elements, "ssd:Component", name=path[-1], type=FMU, source=source
-            )
+            named = {"name": path[-1], "type": FMU, "source": source}
+            self._bodies[path] = add(elements, "ssd:Component", **named)
             for v in fmu.variables.values():
                 arrays = bool(v.dimensions) and self._is_new and v.type not in _TEXTS
                 exists = v.type != "Clock" or self._is_new

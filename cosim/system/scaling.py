@@ -108,10 +108,9 @@ def transform(source: End, target: End, link: Link) -> Scaling:
     scaling = conversion(unit, wanted)
     if scaling is None:
         hint = "; scale it by a Link with convert=False" if unit.measures_as(wanted) else ""
-        raise ConnectionFault(
-            f"cannot connect {source.name} to {target.name}: {source.name} is in {unit},"
-            f" {target.name} in {wanted}; one cannot be converted to the other{hint}"
-        )
+        what = f"{source.name} is in {unit}, {target.name} in {wanted}"
+        advice = f"one cannot be converted to the other{hint}"
+        raise ConnectionFault(f"cannot connect {source.name} to {target.name}: {what}; {advice}")
     return scaling.then(link.scaling)
 
 

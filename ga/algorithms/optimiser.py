@@ -216,11 +216,9 @@ class Optimiser(ABC):
             raise CallOrderError("replay needs a new optimiser; this one has been asked before")
         for values, costs, reasons in checkpoint.unpack(self._head(), state):
             if not np.array_equal(self.ask(), values):
-                raise StateError(
-                    f"generation {self.generation + 1} of the checkpoint cannot be repeated; it "
-                    "was made with other versions of the packages or on another kind of "
-                    "processor; resume there or start afresh"
-                )
+                what = f"generation {self.generation + 1} of the checkpoint cannot be repeated"
+                why = "made with other versions of the packages or on another kind of processor"
+                raise StateError(f"{what}; it was {why}; resume there or start afresh")
             self.tell(costs, reasons)
 
     def _head(self) -> dict[str, Any]:

@@ -121,16 +121,12 @@ def unpack(head: Mapping[str, Any], state: Mapping[str, Any]) -> Iterator[Told]:
                 f"expected {expected}; resume with those or start afresh"
             )
     try:
-        generations = [
-            (
-                np.array([values for _, values, _, _ in rows], dtype=float),
-                [_cost(cost) for _, _, cost, _ in rows],
-                [str(reason) for _, _, _, reason in rows],
-            )
-            for rows in (
-                list(each) for _, each in groupby(state["evaluations"], lambda row: row[0])
-            )
-        ]
+        generations = []
+        for _, group in groupby(state["evaluations"], lambda row: row[0]):
+            rows = list(group)
+            values = np.array([values for _, values, _, _ in rows], dtype=float)
+            costs = [_cost(cost) for _, _, cost, _ in rows]
+            generations.append((values, costs, [str(reason) for _, _, _, reason in rows]))
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise StateError(f"the checkpoint is damaged ({error!r}); start afresh") from error
     yield from generations

@@ -138,10 +138,9 @@ class Encoding:
         self._resolution = resolution
         for gene, log in zip(genes, self._log, strict=True):
             if log and gene.lower <= 0:
-                raise SettingsError(
-                    f"gene {gene.name}: log encoding needs a lower bound above 0, "
-                    f"got {gene.lower}; use linear=True, encoding='linear' or raise the bound"
-                )
+                what = f"log encoding needs a lower bound above 0, got {gene.lower}"
+                advice = "use linear=True, encoding='linear' or raise the bound"
+                raise SettingsError(f"gene {gene.name}: {what}; {advice}")
         self._origin = self._scale(self.lower)
         self._span = self._scale(self.upper) - self._origin
 

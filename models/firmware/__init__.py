@@ -125,9 +125,8 @@ def _memory(blocks: Sequence[Model]) -> str:
         8 * sum(prod(size) for block in blocks for _, size in block.fields.get(role, ()))
         for role in roles
     )
-    return (
-        f"Memory: {state + memory} bytes of state and {parameters} bytes of parameters in 64 bits."
-    )
+    state += memory
+    return f"Memory: {state} bytes of state and {parameters} bytes of parameters in 64 bits."
 
 
 def _of_rotary(comment: re.Match[str]) -> str:
