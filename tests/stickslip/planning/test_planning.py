@@ -77,8 +77,7 @@ def test_the_standard_plans_use_the_speed_they_may(limits):
 
 
 @pytest.mark.parametrize(
-    ("parameter", "part"),
-    [("sigma_0", "small moves"), ("F_s", "creep"), ("m", "quick ramps")],
+    ("parameter", "part"), [("sigma_0", "small moves"), ("F_s", "creep"), ("m", "quick ramps")]
 )
 def test_what_is_asked_for_gets_more_time(parameter, part):
     def share(show):
