@@ -59,7 +59,7 @@ def exposed(
 def by_fmpy(
     path: Path, step: float, stop: float, *output: str, inputs: Any = (), **more: Any
 ) -> Any:
-    """Return what FMPy gives for an FMU.
+    """Return what FMPy gives for the outputs of an FMU that are named, or for all.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def by_fmpy(
         names = [("time", "f8"), *((name, kind) for name, kind, _ in signals)]
         more["input"] = np.array(list(columns), dtype=names)
     how = {"fmi_type": "CoSimulation", "stop_time": stop, "output_interval": step, **more}
-    return fmpy.simulate_fmu(str(path), output=list(output), **how)
+    return fmpy.simulate_fmu(str(path), output=list(output) or None, **how)
 
 
 def saves(version: int) -> str:

@@ -6,14 +6,13 @@ import re
 import threading
 from weakref import WeakKeyDictionary
 
-import fmpy
 import numpy as np
 import pytest
 
 from stickslip import cosim
 from stickslip.cosim.fmu import instance as once
 from stickslip.simulation import simulate
-from tests.cosim.single import halves, joined, one, repacked, saves
+from tests.cosim.single import by_fmpy, halves, joined, one, repacked, saves
 
 
 def test_the_only_library_of_the_folder_is_taken_with_a_warning(export, version, caplog):
@@ -95,7 +94,7 @@ def test_co_simulation_is_told_what_it_proposed_unless_another_is_given(
     times = {"step": 0.1, "stop": 0.1, "record": [recorded]}
     assert system.prepare(**times).run()["a.told"][-1] == told
     assert system.prepare(**times, tolerance=1e-4).run()["a.told"][-1] == 1e-4
-    assert fmpy.simulate_fmu(str(path), stop_time=0.1, output=["told"])["told"][-1] == told
+    assert by_fmpy(path, None, 0.1, "told")["told"][-1] == told
 
 
 @pytest.mark.parametrize("experiment", ["", PROPOSED, 'tolerance="-1"'])
@@ -104,9 +103,7 @@ def test_model_exchange_takes_the_tolerance_that_fmpy_takes(export, version, exp
     system = one(path)
     ours = system.prepare(step=0.1, stop=5.0).run()
     usual = {"relative_tolerance": 1e-5} if "-1" in experiment else {}
-    theirs = fmpy.simulate_fmu(
-        str(path), stop_time=5.0, output_interval=0.1, output=["position"], **usual
-    )
+    theirs = by_fmpy(path, 0.1, 5.0, "position", fmi_type=None, **usual)
     np.testing.assert_array_equal(ours["a.position"], theirs["position"])
 
 
