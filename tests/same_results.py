@@ -9,14 +9,11 @@ import argparse
 import hashlib
 import math
 import os
+import random
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
-
-import numpy as np
-
-from campaigns.sound_drives import simulator
 
 ROOT = Path(__file__).parents[1]
 COMMANDS = {
@@ -31,14 +28,31 @@ PUBLISHED = {"published": "reproduce --as-published"}
 
 def simulate_log(path: Path, seed: int = 0) -> None:
     """Write 20 s of a stage with LuGre friction, PI controller and encoder; no stickslip in it."""
-    drive = {"m": 5.5, "b": 7.0, "F_s": 9.0, "F_c": 6.0, "v_s": 5e-4, "delta": 2.0, "sigma_0": 4e5}
-    drive |= {"sigma_1": 4.5e3, "K_p": 1681.0, "K_i": 137167.0, "tau_f": 5e-4, "T_s": 5e-4}
-    t = drive["T_s"] * np.arange(40_001)
-    v_cmd = np.array([*map(commanded_velocity, t)])
-    found = simulator.run("lugre", drive | {"encoder": 4e-7}, v_cmd, noise=(0.125, 0.0), seed=seed)
-    rows = np.transpose([t, v_cmd, found["encoder"], found["commanded"]])
-    head = "t [s],v_cmd [m/s],x_enc [m],F_motor [N]"
-    np.savetxt(path, rows, "%.9g", ",", header=head, comments="")
+    m, b, F_s, F_c, v_s, sigma_0, sigma_1 = 5.5, 7.0, 9.0, 6.0, 5e-4, 4e5, 4.5e3
+    K_p, K_i, T_s, substeps, encoder = 1681.0, 137167.0, 5e-4, 10, 4e-7
+    h = T_s / substeps
+    noise = random.Random(seed)  # noqa: S311 (no secret)
+    x = v = z = integral = x_last = v_meas = force = 0.0
+    with path.open("w", encoding="utf-8") as file:
+        file.write("t [s],v_cmd [m/s],x_enc [m],F_motor [N]\n")
+        for step in range(40_001):
+            t = step * T_s
+            x_enc = round((x + noise.gauss(0.0, 5e-8)) / encoder) * encoder
+            v_meas += 0.5 * ((x_enc - x_last) / T_s - v_meas)
+            x_last = x_enc
+            command = commanded_velocity(t)
+            integral += K_i * T_s * (command - v_meas)
+            force = K_p * (command - v_meas) + integral
+            file.write(f"{t:.4f},{command:.9g},{x_enc:.9g},{force:.9g}\n")
+            for _ in range(substeps):
+                g = F_c + (F_s - F_c) * math.exp(-((v / v_s) ** 2))
+                rate = sigma_0 * abs(v) / g
+                held = v / rate if rate else 0.0
+                decay = -math.expm1(-rate * h)
+                dz = (held - z) * decay if rate else 0.0
+                z += dz
+                v += h / m * (force - sigma_0 * z - sigma_1 * dz / h - b * v)
+                x += h * v
 
 
 def commanded_velocity(t: float) -> float:
