@@ -5,21 +5,25 @@ error. What stickslip does with them, ``tests/hostile/test_cases.py`` tests.
 """
 
 import argparse
+import json
 import linecache
+import os
 import resource
+import shutil
+import signal
+import subprocess
 import sys
 import tempfile
 import traceback
 import warnings
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from stickslip.studies.survey.runs import RunOutcome, apart
 from tests.corpus.hostile import CASES, GROUPS, Case
 
 MEMORY = 4 * 2**30
@@ -28,18 +32,21 @@ PATIENCE = 10.0
 """How long FMPy may take for one file [s]."""
 NONE = "no counterpart"
 KINDS = ("crashes", "hangs", "ends silently", "runs", "Python error", "own message", NONE)
+CHILD = "import sys; from campaigns.hostile import feed; feed(*sys.argv[1:])"
 
 
-def feed(given: dict[str, Any]) -> Iterator[RunOutcome]:
-    """Run a file as users of FMPy do, in a process of its own; tell which of `KINDS` it is."""
+def feed(job: str, answer: str) -> None:
+    """Run a file as users of FMPy do, in a process of its own; write which of `KINDS` it is."""
     import fmpy
     from fmpy.ssp.simulation import simulate_ssp
     from fmpy.util import read_csv
 
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    kind, file, table = "runs", given.pop("file"), given.pop("input")
+    kind = "runs"
     try:
+        given: dict[str, Any] = json.loads(job)
+        file, table = given.pop("file"), given.pop("input")
         if file.endswith(".ssp"):
             simulate_ssp(file, **{name: given[name] for name in given if name != "start_values"})
         else:
@@ -51,23 +58,43 @@ def feed(given: dict[str, Any]) -> Iterator[RunOutcome]:
         line = linecache.getline(last.filename, last.lineno or 0).strip()
         meant = "fmpy" in Path(last.filename).parts and line.startswith("raise")
         kind = "own message" if meant else "Python error"
-    yield RunOutcome(kind)
+    Path(answer).write_text(kind, encoding="utf-8")
 
 
 def kind_of(case: Case) -> str:
     """Return what FMPy does with a case: it may crash, hang, fork and flood."""
     with tempfile.TemporaryDirectory(prefix="hostile-") as name:
-        folder = Path(name)
+        folder, answer, temporary = (Path(name, part) for part in ("fed", "answer", "temporary"))
+        folder.mkdir()
+        temporary.mkdir()
         with warnings.catch_warnings(action="ignore"):
             job = _job(case.make(folder), folder)
         if job is None:
             return NONE
         for pipe in filter(Path.is_fifo, [*folder.rglob("*")]):  # FMPy is fed none of it
             pipe.unlink()
-        found = apart(feed, job, limit=PATIENCE).fault
-    if found.startswith("died: "):
-        return "ends silently" if "status" in found else "crashes"
-    return "hangs" if found == "out of time" else found
+        search = os.pathsep.join((str(Path(__file__).parents[1]), *filter(None, sys.path)))
+        process = subprocess.Popen(
+            [sys.executable, "-P", "-c", CHILD, json.dumps(job), str(answer)],
+            cwd=folder,
+            env=os.environ | {"TMPDIR": str(temporary), "PYTHONPATH": search},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        status = None
+        with suppress(subprocess.TimeoutExpired):
+            status = process.wait(PATIENCE)
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)  # and all that it forked
+        process.wait()
+        shutil.rmtree(temporary, ignore_errors=True)
+        if status is None:
+            return "hangs"
+        if status < 0:
+            return "crashes"
+        return answer.read_text(encoding="utf-8") if answer.exists() else "ends silently"
 
 
 def _job(arguments: Sequence[str], folder: Path) -> dict[str, object] | None:
@@ -78,8 +105,8 @@ def _job(arguments: Sequence[str], folder: Path) -> dict[str, object] | None:
     follows = dict(pairwise(arguments))
     values = (a.partition("=") for a in arguments if "=" in a and not a.startswith("-"))
     job: dict[str, object] = {
-        "file": str(folder / files[0]),
-        "input": str(folder / follows["--input"]) if "--input" in follows else None,
+        "file": files[0],
+        "input": follows.get("--input"),
         "start_values": {name.rpartition(".")[2]: value for name, _, value in values},
     }
     for option, name in (("--stop", "stop_time"), ("--step", "step_size")):
