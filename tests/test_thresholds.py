@@ -93,13 +93,8 @@ estimation_learn = sys.modules[
 ]  # its name is a function's
 AXIS = Axis(5.557, 6.6135, 1e-4)
 FRICTION = {
-    "F_s": 9.0,
-    "F_c": 6.0,
-    "v_s": 5.57e-4,
-    "sigma_0": 3.9e5,
-    "sigma_1": 4.4e3,
-    "delta": 1.0,
-}
+    "F_s": 9.0, "F_c": 6.0, "v_s": 5.57e-4, "sigma_0": 3.9e5, "sigma_1": 4.4e3, "delta": 1.0,
+}  # fmt: skip
 T_S = 5e-4
 namespace: Any = SimpleNamespace
 

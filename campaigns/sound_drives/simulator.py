@@ -19,13 +19,9 @@ PARAMETERS = (
     *("u_min", "u_max", "encoder", "phase"),
 )
 DEFAULTS = {
-    "delta": 1.0,
-    "period": 1.0,
-    "pitch": 1.0,
-    "velocity_feedforward": 1.0,
-    "u_min": -math.inf,
+    "delta": 1.0, "period": 1.0, "pitch": 1.0, "velocity_feedforward": 1.0, "u_min": -math.inf,
     "u_max": math.inf,
-}
+}  # fmt: skip
 SUBSTEP = 5e-5  # [s]
 _Doubles = ctypes.POINTER(ctypes.c_double)
 

@@ -97,16 +97,11 @@ def test_an_arm_crosses_its_whole_travel_where_that_is_asked_for():
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"jerk": 0.0},
-        {"travel": (0.1, 0.2)},
-        {"stroke": 0.0},
-        {"speed": float("nan")},
-        {"duration": 1.0},
-        {"rate": 1e9},
-        {"presliding": (2, 1)},
+        {"jerk": 0.0}, {"travel": (0.1, 0.2)}, {"stroke": 0.0}, {"speed": float("nan")},
+        {"duration": 1.0}, {"rate": 1e9}, {"presliding": (2, 1)},
     ],
     ids=str,
-)
+)  # fmt: skip
 def test_invalid_limits_are_refused(wrong):
     with pytest.raises(UsageError, match=next(iter(wrong))):
         Limits(**wrong)
