@@ -216,6 +216,7 @@ class Exchanged(Slave):
     def place(self, time: float, states: Sequence[float]) -> None:
         """Set time and states in continuous-time mode."""
         self.api.setTime(time)
+        self.vector("Derivatives")  # those of the states before
         self.api.setContinuousStates(_pointer(np.array(states, dtype=float)), self.n_states)
 
     def vector(self, name: str) -> np.ndarray:
