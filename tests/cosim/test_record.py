@@ -87,35 +87,47 @@ def test_the_last_value_only(system, coupling):
     assert halted.time == pytest.approx([3.0])
 
 
-LONG = 10_000  # steps: several parts
-MANY = [f"{c}.{v}" for c in ("spring", "speed", "position") for v in ("u", "k", "fault_time")]
-
-
-@pytest.mark.parametrize(
-    ("coupling", "every", "isolation"),
-    [
-        *(("gauss_seidel", 1, None), ("gauss_seidel", 7, "process")),
-        *(("jacobi", 1, "process"), ("jacobi", 7, None)),
-    ],
-)
-def test_a_range_and_a_file_written_as_the_run_goes(system, coupling, every, isolation, tmp_path):
-    names = ["u", "*.y", "*.sum", *MANY, "position.sign"]
-    how = {"step": 1e-3, "stop": LONG * 1e-3, "coupling": coupling, "isolation": isolation}
-    written, file = tmp_path / "written.csv", tmp_path / "as it goes.csv"
+@pytest.mark.parametrize("isolation", [None, "process"])
+@pytest.mark.parametrize("every", [1, 7])
+@pytest.mark.parametrize("coupling", COUPLINGS[:2])
+def test_the_range_of_what_is_kept(system, coupling, every, isolation):
+    options = {"coupling": coupling, "isolation": isolation}
     with (
-        system.prepare(record=Record(names, every), **how) as full,
-        system.prepare(record=Record(names, every, "range"), **how) as reduced,
+        prepare(system, Record(every=every), **options) as full,
+        prepare(system, Record(every=every, keep="range"), **options) as reduced,
     ):
-        # the second is repeated after a reset
-        for until, out in ((None, None), (None, file), (3.0, file)):
+        for until in (None, None, 3.0):  # the second is repeated after a reset
             kept = full.run(inputs=INPUT, until=until)
-            found = reduced.run(inputs=INPUT, until=until, out=out)
+            found = reduced.run(inputs=INPUT, until=until)
             assert (found.names, found.points) == (kept.names, len(kept.time))
             np.testing.assert_array_equal(found.time, kept.time[[0, -1, -1]])
             ends = kept.values.min(0), kept.values.max(0), kept.values[-1]
             np.testing.assert_array_equal(found.values, ends)
+
+
+LONG = 10_000  # steps: several parts
+MANY = [f"{c}.{v}" for c in ("spring", "speed", "position") for v in ("u", "k", "fault_time")]
+
+
+@pytest.mark.parametrize("isolation", [None, "process"])
+@pytest.mark.parametrize("every", [1, 7])
+def test_a_file_that_is_written_as_the_run_goes(system, every, isolation, tmp_path):
+    names = ["u", "*.y", "*.sum", *MANY, "position.sign"]
+    how = {"step": 1e-3, "isolation": isolation}
+    written, file = tmp_path / "written.csv", tmp_path / "as it goes.csv"
+    with (
+        system.prepare(record=Record(names, every), stop=LONG * 1e-3, **how) as full,
+        system.prepare(record=Record(names, every, "range"), stop=LONG * 1e-3, **how) as reduced,
+    ):
+        for until in (None, None, 3.0):  # the second is repeated after a reset
+            kept = full.run(inputs=INPUT, until=until)
+            found = reduced.run(inputs=INPUT, until=until, out=file)
+            assert file.read_bytes() == kept.to_csv(written).read_bytes()
+            assert found.points == len(kept.time)
+            np.testing.assert_array_equal(found.time, kept.time[[0, -1, -1]])
+            ends = kept.values.min(0), kept.values.max(0), kept.values[-1]
+            np.testing.assert_array_equal(found.values, ends)
             assert found.texts["position.sign"][1:] == [kept.texts["position.sign"][-1]] * 2
-            assert not out or out.read_bytes() == kept.to_csv(written).read_bytes()
         full.run(inputs=INPUT, out=file)
         assert file.read_bytes() == full.run(inputs=INPUT).to_csv(written).read_bytes()
 
