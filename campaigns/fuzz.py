@@ -209,10 +209,7 @@ def learned_files() -> list[bytes]:
 
 def read_learned(file: Path) -> None:
     learned = LearnedFile(file)
-    for entry in (
-        *("compensator", "drive", "drive_errors", "loop"),
-        *("validation", "datasheet"),
-    ):
+    for entry in (*("compensator", "drive", "drive_errors", "loop"), *("validation", "datasheet")):
         getattr(learned, entry)
 
 
@@ -381,11 +378,7 @@ PARSERS = {
     ),
     "mat": Parser("log.mat", read_table, mat_files, by_numbers, (RecordingError,)),
     "parquet": Parser(
-        "in.parquet",
-        read_parquet,
-        parquet_files,
-        by_numbers,
-        (cosim.SignalError, RecordingError),
+        "in.parquet", read_parquet, parquet_files, by_numbers, (cosim.SignalError, RecordingError)
     ),
 }
 SLOW = 2.0  # s of the processor for one input

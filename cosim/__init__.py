@@ -31,13 +31,7 @@ from stickslip.cosim.run.simulation import Simulation
 from stickslip.cosim.signals.signals import Signal, SineSweep, Table, Trapezoid
 from stickslip.cosim.signals.tables import read_tables, signals_of
 from stickslip.cosim.system.scaling import Link, Scaling
-from stickslip.cosim.system.settings import (
-    Adaptive,
-    Coupling,
-    Isolated,
-    Isolation,
-    Record,
-)
+from stickslip.cosim.system.settings import Adaptive, Coupling, Isolated, Isolation, Record
 from stickslip.cosim.system.system import Specification, System
 from stickslip.fmi.description.model import DefaultExperiment
 from stickslip.fmi.description.units import Unit

@@ -41,10 +41,8 @@ def resized(variable: Variable, lengths: Mapping[str, int]) -> Variable:
     if dimensions == variable.dimensions:
         return variable
     if not 0 < math.prod(dimensions) <= MAX_ELEMENTS:
-        raise ParameterError(
-            f"{variable.name} would have {math.prod(dimensions)} elements, expected 1 to"
-            f" {MAX_ELEMENTS}; choose other structural parameters"
-        )
+        what = f"expected 1 to {MAX_ELEMENTS}; choose other structural parameters"
+        raise ParameterError(f"{variable.name} would have {math.prod(dimensions)} elements, {what}")
     return replace(variable, dimensions=dimensions, start=None)
 
 
@@ -54,10 +52,9 @@ def converted(variable: Variable, value: object, label: str) -> Value:
     Arrays take a numpy array or nested list of their dimensions, or the values row by row.
     """
     if not variable.is_settable:
-        raise ParameterError(
-            f"{label} cannot be set: it is a {variable.variability} {variable.causality};"
-            " parameters, inputs and variables with a start value can"
-        )
+        what = f"it is a {variable.variability} {variable.causality}"
+        advice = "parameters, inputs and variables with a start value can"
+        raise ParameterError(f"{label} cannot be set: {what}; {advice}")
     if variable.type == "Clock":
         raise ParameterError(f"{label} cannot be set: it is a clock, which ticks by itself")
     if variable.dimensions:
@@ -72,9 +69,8 @@ def _items(variable: Variable, value: Any, label: str) -> list[Any]:
     except ValueError:
         array = np.empty(0)
     if array.shape not in {variable.dimensions, (variable.size,)}:
-        raise ParameterError(
-            f"{label}: expected an array of the dimensions {variable.dimensions}, got {array.shape}"
-        )
+        what = f"expected an array of the dimensions {variable.dimensions}, got {array.shape}"
+        raise ParameterError(f"{label}: {what}")
     return list(array.reshape(-1))
 
 
@@ -83,10 +79,8 @@ def _checked(variable: Variable, value: object, label: str) -> Scalar:
         result = _converted(variable, value)
     except (TypeError, ValueError, KeyError, OverflowError):
         items = suggestion(str(value), dict(variable.items)) if variable.items else ""
-        raise ParameterError(
-            f"{label}: expected a value of type {variable.type}, got"
-            f" {printable(repr(value), 80)}{items}"
-        ) from None
+        what = f"expected a value of type {variable.type}, got {printable(repr(value), 80)}{items}"
+        raise ParameterError(f"{label}: {what}") from None
     if isinstance(result, (int, float)):
         _check_range(variable, result, label)
     return result
@@ -108,9 +102,8 @@ def _converted(variable: Variable, value: Any) -> Scalar:
     if variable.type == "Boolean":
         return _WORDS[str(value).lower()]
     result = _integer(value) if isinstance(value, str) else int(value)
-    if _C_TYPES[variable.type](result).value != result or (
-        not isinstance(value, str) and result != value
-    ):
+    is_equal = isinstance(value, str) or result == value
+    if _C_TYPES[variable.type](result).value != result or not is_equal:
         raise ValueError
     return result
 
@@ -128,9 +121,8 @@ def _check_range(variable: Variable, value: float, label: str) -> None:
     highest = math.inf if variable.maximum is None else variable.maximum
     if not (math.isfinite(value) and lowest <= value <= highest):
         unit = f" {variable.unit}" if variable.unit else ""
-        raise ParameterError(
-            f"{label} = {value}{unit} is outside its range {lowest} to {highest}{unit}"
-        )
+        what = f"is outside its range {lowest} to {highest}{unit}"
+        raise ParameterError(f"{label} = {value}{unit} {what}")
 
 
 def _integer(text: str) -> int:

@@ -15,9 +15,8 @@ def html_table(
     def line(cells: Sequence[object], kind: str) -> str:
         looks = (_LEFT if column < words else "" for column in range(len(cells)))
         pairs = zip(cells, looks, strict=True)
-        return (
-            f"<tr>{''.join(f'<{kind}{look}>{escaped(str(c))}</{kind}>' for c, look in pairs)}</tr>"
-        )
+        row = "".join(f"<{kind}{look}>{escaped(str(c))}</{kind}>" for c, look in pairs)
+        return f"<tr>{row}</tr>"
 
     body = "\n".join(line(cells, "td") for cells in rows)
     title = f"<caption{_LEFT}>{escaped(caption)}</caption>\n" if caption else ""

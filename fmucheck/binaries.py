@@ -161,10 +161,8 @@ def foreign_dependency(fmu: Fmu) -> Claims:
         there = fmu.below(posixpath.dirname(name) + "/")
         beside = {posixpath.basename(n).casefold() for n in there}
         for needed in library.needs:
-            if (
-                not _AT_HOME.fullmatch(needed)
-                and posixpath.basename(needed).casefold() not in beside
-            ):
+            at_home = _AT_HOME.fullmatch(needed)
+            if not at_home and posixpath.basename(needed).casefold() not in beside:
                 yield name, f"needs {needed}"
 
 

@@ -120,10 +120,8 @@ Claim = tuple[str, str]
 """Place and message."""
 Claims = Iterable[Claim]
 _STANDARDS = {2: "FMI 2.0.5", 3: "FMI 3.0.2"}
-STAGES = (
-    *("archive", "document", "description", "files", "binaries"),
-    *("running", "rerunning", "ending"),
-)
+STAGES = ["archive", "document", "description", "files", "binaries"]
+STAGES += ["running", "rerunning", "ending"]
 _MOST = 10_000  # claims of one rule about one file that are counted
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, wraps
 from importlib import import_module
@@ -10,16 +11,7 @@ from inspect import Parameter, isfunction, signature
 from os import PathLike
 from pathlib import Path
 from types import SimpleNamespace, UnionType
-from typing import (
-    Any,
-    SupportsFloat,
-    SupportsIndex,
-    TypeVar,
-    Union,
-    get_args,
-    get_origin,
-    get_type_hints,
-)
+from typing import Any, SupportsFloat, SupportsIndex, TypeVar, Union
 
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.messages import printable, suggestion
@@ -49,14 +41,6 @@ def checked(function: F) -> F:
     names = [*taken.parameters]
     free = any(one.kind is Parameter.VAR_KEYWORD for one in taken.parameters.values())
 
-    def require(args: tuple[object, ...], given: dict[str, object]) -> None:
-        for key, value in (*zip(names, args, strict=False), *given.items()):
-            if not _fits(value, _kind(function, key)):
-                kind = taken.parameters[key].annotation
-                expected = getattr(kind, "__name__", kind)
-                got = printable(repr(value), 80)
-                raise TypeError(f"{name}: {key}: expected {expected}, got {got}")
-
     @wraps(function)
     def call(*args: object, **given: object) -> object:
         for key in given if not free else ():
@@ -68,10 +52,11 @@ def checked(function: F) -> F:
         except Fault:
             raise
         except (AttributeError, TypeError, ValueError) as fault:
-            try:
-                require(args, given)
-            except TypeError as named:
-                raise named from fault
+            for key, value in (*zip(names, args, strict=False), *given.items()):
+                if not _fits(value, _kind(function, key)):
+                    kind = taken.parameters[key].annotation
+                    expected, got = getattr(kind, "__name__", kind), printable(repr(value), 80)
+                    raise TypeError(f"{name}: {key}: expected {expected}, got {got}") from fault
             raise
 
     return call  # type: ignore[return-value]
@@ -92,30 +77,28 @@ def public(value: Any) -> Any:
 @cache
 def _kind(function: Callable[..., object], name: str) -> object:
     """Return what an annotation means; ``object`` where it names what is imported for it alone."""
-    text = getattr(function, "__annotations__", {}).get(name, object)
-    space = getattr(function, "__globals__", {})
-    package = import_module(_PACKAGE)
-    words = {*re.findall(r"\w+", str(text))} & {*dir(package)} - {*space}
-    names = {word: getattr(package, word) for word in words}
+    text, space = function.__annotations__.get(name, object), function.__globals__
+    package, words = import_module(_PACKAGE), {*re.findall(r"\w+", str(text))} - {*space}
+    names = {word: getattr(package, word) for word in words & {*dir(package)}}
     if "pd" in str(text):
         names["pd"] = import_module("pandas")  # late: large
     try:
-        return get_type_hints(SimpleNamespace(__annotations__={"": text}), space, names)[""]
+        return typing.get_type_hints(SimpleNamespace(__annotations__={"": text}), space, names)[""]
     except (NameError, TypeError):
         return object
 
 
 def _fits(value: object, kind: object) -> bool:
-    origin = get_origin(kind) or kind
+    origin = typing.get_origin(kind) or kind
     if origin in (Union, UnionType):
-        return any(_fits(value, one) for one in get_args(kind))
+        return any(_fits(value, one) for one in typing.get_args(kind))
     if origin is Mapping:  # or a row of a table
         return hasattr(value, "items") or hasattr(value, "_asdict")
     if getattr(origin, "__module__", "") == "numpy":  # lists, series and numbers are arrays, too
         return True
     if origin in _SEVERAL:
         parts = value if isinstance(value, (list, tuple)) else ()
-        inner = (*get_args(kind), object)[0]
+        inner = (*typing.get_args(kind), object)[0]
         return (
             not isinstance(value, str)
             and isinstance(value, Iterable)

@@ -15,15 +15,10 @@ from typing import Any, NamedTuple, NoReturn
 
 from stickslip.commandline import is_rare
 from stickslip.errors import settings_as_options
+from stickslip.fmi import process
 from stickslip.fmi.additions import own_folder
 from stickslip.fmi.errors import Fault
 from stickslip.fmi.messages import harmless, suggestion
-from stickslip.fmi.process import (
-    check_interruption,
-    interrupted_by,
-    interruptible,
-    open_standard_streams,
-)
 from stickslip.output import answered, messages
 
 _NUMBER = re.compile(r"-\.?\d")
@@ -85,11 +80,7 @@ class Parser(argparse.ArgumentParser):
         return super().parse_known_args(self._arranged(list(args or ())), namespace)
 
     def _arranged(self, words: list[str]) -> list[str]:
-        """Return the words with the positional ones first.
-
-        Those of a parser with commands keep their order: what follows a command is parsed by the
-        command's own parser.
-        """
+        """Return the words, positional ones first; what follows a command has its own parser."""
         commands = next((a for a in self._actions if a.nargs == argparse.PARSER), None)
         if commands is not None:
             return _command_first(words, commands)
@@ -223,7 +214,6 @@ def _misplaced(
 
 _HELP = re.compile(r'"""``stickslip (\w+)``: ([^"]+?)\.?(?:""")?$')
 
-
 _EXAMPLE = re.compile(r"^ *(stickslip .+)$", re.MULTILINE)  # in the text of a command's module
 _PLACES = ("commands/*.py", "studies/*/command.py", "papers/*/commands/*.py")
 
@@ -262,7 +252,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     if "_ARGCOMPLETE" in os.environ:  # a shell asks for completions
         _complete(os.environ["COMP_LINE"].split()[1:])
-    open_standard_streams()  # those that cron or a service has closed
+    process.open_standard_streams()  # those that cron or a service has closed
     given = list(sys.argv[1:] if arguments is None else arguments)
     plain = argparse.Namespace(json=False, quiet=False, verbose=False, debug=False)
     parser = _parser(given)
@@ -270,7 +260,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.print_help()
         return 0
     options = parser.parse_args(given, plain)
-    with interruptible(), messages(options), settings_as_options():
+    with process.interruptible(), messages(options), settings_as_options():
         try:
             return _status(options)
         except KeyboardInterrupt as interruption:
@@ -280,7 +270,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 sys.stdout.flush()
             except OSError:
                 _drop_output()
-            return 128 + (interrupted_by() or signal.SIGINT)
+            return 128 + (process.interrupted_by() or signal.SIGINT)
 
 
 def _status(options: argparse.Namespace) -> int:
@@ -291,7 +281,7 @@ def _status(options: argparse.Namespace) -> int:
         _drop_output()
         return 1
     except Exception as error:
-        check_interruption()  # which may be the cause
+        process.check_interruption()  # which may be the cause
         if options.debug or not isinstance(error, EXPECTED):
             raise
         print(f"stickslip: {_line(error)}", file=sys.stderr)

@@ -28,14 +28,9 @@ _SETTING = re.compile(
 )
 
 _OTHERWISE = {
-    "drive": "drives",
-    "force": "force=True",
-    "gain": "gains",
-    "input": "inputs",
-    "out": "folder",
-    "resume": "resume=True",
-    "set": "parameters",
-}
+    "drive": "drives", "force": "force=True", "gain": "gains", "input": "inputs",
+    "out": "folder", "resume": "resume=True", "set": "parameters",
+}  # fmt: skip
 """What is called in Python otherwise than by the word of its option."""
 _FIELDS = {
     "fixed": "gains stay as they are",

@@ -3,8 +3,6 @@
 Each worker process of a sweep imports this module, which imports little.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -33,10 +31,7 @@ class Figures:
 
 
 def figure(what: str, of: Figure, result: cosim.Result) -> float:
-    """Return what a function of the user makes of a run.
-
-    Raises CandidateFailed when it raises, or returns no number.
-    """
+    """Return what a function of the user makes of a run; raise CandidateFailed where it fails."""
     try:
         value = of(result)
     except Exception as fault:

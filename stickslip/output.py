@@ -20,7 +20,6 @@ from stickslip.fmi.messages import harmless
 if TYPE_CHECKING:
     from stickslip import ga
 
-
 LOG = logging.getLogger("stickslip")
 
 

@@ -29,10 +29,7 @@ def precompile(
     platforms: Iterable[Platform] = PLATFORMS.values(),  # what to compile for
     names: Iterable[str] | None = None,  # models; all by default
 ) -> Path:
-    """Write an archive of compiled libraries and return its path.
-
-    Raises ToolchainError when the compiler fails, or OSError when the file cannot be written.
-    """
+    """Write an archive of compiled libraries and return its path; raise ToolchainError."""
     jobs = list(_jobs(list(platforms), models.model_names() if names is None else names))
     content = io.BytesIO()
     with (

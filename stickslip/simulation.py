@@ -23,7 +23,6 @@ from stickslip.keywords import RunOptions, named
 if TYPE_CHECKING:
     import pandas as pd
 
-
 MEMBER = "extra/stickslip/input.csv"
 
 
@@ -42,10 +41,7 @@ def pack_input(package: Path, table: pd.DataFrame) -> None:
 
 
 def packed_input(package: Path) -> dict[str, Table]:
-    """Return the signals of a package by exposed input; empty when it has none.
-
-    Raises SignalError when they cannot be read, or SspError when the package cannot be.
-    """
+    """Return the signals of a package by exposed input; raise SignalError or SspError."""
     from stickslip.cosim.ssp.structure import Package  # late, for runs of one FMU
 
     file = Package.open(package).folder / MEMBER
@@ -147,10 +143,7 @@ class Model:
         record: cosim.Record | Iterable[str] | None = None,
         **options: Any,
     ) -> cosim.Simulation:
-        """Instantiate the FMUs for the times that are given or else proposed [s].
-
-        Raises UsageError when they make no run.
-        """
+        """Instantiate the FMUs for the times that are given or proposed; raise UsageError."""
         start = (self.experiment.start or 0.0) if start is None else start
         stop = self.experiment.stop if stop is None else stop
         if stop is None:
@@ -178,10 +171,7 @@ class Model:
         return duration / math.ceil(duration / least * (1.0 - 1e-9))
 
     def idle_inputs(self, inputs: Iterable[str]) -> dict[str, tuple[Any, str]]:
-        """Return start value and unit of inputs without source and set value.
-
-        Those exposed inputs that are given have a signal.
-        """
+        """Return start value and unit of inputs that have neither signal, source nor set value."""
         system, sources, driven = self.system, self.system.sources(), {*inputs}
         found = {}
         for name, component in system.components.items():

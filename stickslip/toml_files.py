@@ -38,10 +38,7 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def checked(table: Mapping[str, Any], kinds: Mapping[str, Kind], place: str = "") -> dict[str, Any]:
-    """Return a table whose keys and values are of these kinds; lists become tuples.
-
-    Raises UsageError when a key is not known, or a value does not fit.
-    """
+    """Return a table whose keys and values are of these kinds, or raise; lists become tuples."""
     for key, value in table.items():
         if key not in kinds:
             raise UsageError(f"no key '{place}{key}'{suggestion(key, kinds)}")

@@ -73,3 +73,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def pytest_collection_finish() -> None:
     """Let the garbage collector pass over thousands of tests, which stay until the end."""
     gc.freeze()
+
+
+@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
+def version(request: pytest.FixtureRequest) -> int:
+    """Give both versions of the standard in turn."""
+    return request.param

@@ -11,11 +11,7 @@ from stickslip.thresholds import harm, misfit
 
 ROOT = Path(__file__).parents[1]
 DECISIONS = sorted((ROOT / "docs" / "decisions").glob("[0-9]*.md"))
-DOCUMENTS = [
-    *ROOT.glob("*.md"),
-    *(ROOT / "docs").rglob("*.md"),
-    *(ROOT / "models").rglob("*.md"),
-]
+DOCUMENTS = [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "models").rglob("*.md")]
 WRITTEN = [path for path in DOCUMENTS if path.name != "check-defects.md"]  # it quotes names
 REPLACED = (
     *("judge", "judges", "judged", "stranger", "strangers", "fed", "lest", "anew", "mute"),

@@ -31,7 +31,8 @@ from stickslip.identification.fitting.identifiability import (
     conservative,
 )
 from stickslip.identification.fitting.start import Start
-from stickslip.identification.selection import choice, choose, prediction
+from stickslip.identification.selection import choice, prediction
+from stickslip.identification.selection.choice import choose
 from stickslip.identification.sliding import (
     checked_logs,
     friction_curve,
@@ -93,13 +94,8 @@ estimation_learn = sys.modules[
 ]  # its name is a function's
 AXIS = Axis(5.557, 6.6135, 1e-4)
 FRICTION = {
-    "F_s": 9.0,
-    "F_c": 6.0,
-    "v_s": 5.57e-4,
-    "sigma_0": 3.9e5,
-    "sigma_1": 4.4e3,
-    "delta": 1.0,
-}
+    "F_s": 9.0, "F_c": 6.0, "v_s": 5.57e-4, "sigma_0": 3.9e5, "sigma_1": 4.4e3, "delta": 1.0,
+}  # fmt: skip
 T_S = 5e-4
 namespace: Any = SimpleNamespace
 
@@ -1049,11 +1045,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "log_force.BEYOND": (lambda: is_cut_off(0.02, beyond=0.045), True, False),
     "log_force.EXACT/2": (is_low_passed, False, True),
     "log_force.LAGGED/2": (lambda: force_path._is_low_pass(0.3, 1.0, 1.0, 1.0), True, False),
-    "log_force.LAGGED_ALIKE/2": (
-        lambda: force_path._is_low_pass(0.3, 1.0, 0.5, 1.0),
-        True,
-        False,
-    ),
+    "log_force.LAGGED_ALIKE/2": (lambda: force_path._is_low_pass(0.3, 1.0, 0.5, 1.0), True, False),
     "log_force.ATTENUATED": (lambda: force_path._is_low_pass(0.1, 1.0, 1.0, 0.03), True, False),
     "log_force.AT_STATED/2": (lambda: saturates(6.0, 50), set(), {"saturates"}),
     "log_force.PLATEAU": (lambda: saturates(10.0, 4), {"saturates"}, set()),

@@ -97,9 +97,7 @@ FAULTS: dict[str, Fault] = {
     "the drive saturates": Fault(experiment=SATURATED, gains=None),
     "force clipped in the log": Fault(_with(force=_clipped), gains=None),
     "force logged before clipping": Fault(
-        lambda log, known, _: (log.assign(force=log["force_command"]), known),
-        SATURATED,
-        gains=None,
+        lambda log, known, _: (log.assign(force=log["force_command"]), known), SATURATED, gains=None
     ),
     "force 5 ms late": Fault(partial(_late, delay=5e-3), gains=None),
     "force 5 ms early": Fault(partial(_late, delay=-5e-3), gains=None),

@@ -108,9 +108,7 @@ def learn_one(options: argparse.Namespace, number: int, of_learn: list[str]) -> 
     messages = options.out / f"{drive.name}.err"
     with messages.open("w") as stream:
         process = subprocess.Popen(
-            [STICKSLIP, *command, *of_learn],
-            stdout=subprocess.DEVNULL,
-            stderr=stream,
+            [STICKSLIP, *command, *of_learn], stdout=subprocess.DEVNULL, stderr=stream
         )
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)

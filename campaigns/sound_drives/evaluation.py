@@ -16,6 +16,7 @@ import numpy as np
 
 from campaigns.sound_drives import simulator
 from campaigns.sound_drives.drives import ENCODER_NOISE, STICKSLIP, Drive
+from stickslip.fmi.toolchain import shared_library
 
 MOTIONS = ("fast", "slow", "creep", "move_60", "move_4")
 PREDICTED = {"move_4": "micro-steps", "move_60": "short moves", "creep": "creep"}
@@ -30,6 +31,7 @@ AT_REST = {"motor": 0.0, "held": 0.0}  # of the loop without friction and force 
 PARTS = ("compensator", "position_force", "observer")
 GLUE = """#include "added_force.h"
 static AddedForce all;
+#pragma GCC visibility push(default)
 void begin(double v_cmd, double x_cmd, double x_enc, double F_m) {
     added_force_init(&all, v_cmd, x_cmd, 0.0, x_enc, F_m);
 }
@@ -156,8 +158,8 @@ def exported(learned: Path, folder: Path) -> ctypes.CDLL:
     file = next(learned / one for one in ("tuned.json", "learned.json") if (learned / one).exists())
     options = ["--parameters", str(file), "--out", str(folder)]
     subprocess.run([STICKSLIP, "export", "deploy", *options], check=True, capture_output=True)
-    (folder / "glue.c").write_text(GLUE)
-    library = simulator.compiled(folder / "added.so", *folder.glob("*.c"))
+    files = {path.name: path.read_text(encoding="utf-8") for path in folder.glob("*.[ch]")}
+    library = ctypes.CDLL(str(shared_library("added", files | {"glue.c": GLUE}, flags=["-lm"])))
     terms = json.loads(file.read_text(encoding="utf-8")).get("position_force", {})
     at_0 = ("F_0", "g_c", *(f"cogging_c[{k}]" for k in (1, 2, 3)))
     # force of position where the encoder shows 0 [N]

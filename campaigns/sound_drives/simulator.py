@@ -1,17 +1,14 @@
-"""Runs a drive of ``simulator.c``, which shares nothing with the product."""
+"""Runs a drive of ``simulator.c``, which shares nothing with the product but the compiler."""
 
 import ctypes
-import hashlib
 import math
-import os
-import subprocess
-import sys
-import tempfile
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
 import numpy as np
+
+from stickslip.fmi.toolchain import shared_library
 
 LAWS = ("none", "lugre", "dahl", "gms", "elasto_plastic", "coulomb_stribeck")
 PARAMETERS = (
@@ -22,15 +19,10 @@ PARAMETERS = (
     *("u_min", "u_max", "encoder", "phase"),
 )
 DEFAULTS = {
-    "delta": 1.0,
-    "period": 1.0,
-    "pitch": 1.0,
-    "velocity_feedforward": 1.0,
-    "u_min": -math.inf,
+    "delta": 1.0, "period": 1.0, "pitch": 1.0, "velocity_feedforward": 1.0, "u_min": -math.inf,
     "u_max": math.inf,
-}
+}  # fmt: skip
 SUBSTEP = 5e-5  # [s]
-CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "sound_drives"
 _Doubles = ctypes.POINTER(ctypes.c_double)
 
 
@@ -38,25 +30,11 @@ class _Drive(ctypes.Structure):
     _fields_ = [(name, ctypes.c_double) for name in PARAMETERS]
 
 
-def compiled(library: Path, *sources: Path) -> ctypes.CDLL:
-    """Return a shared library made of C files."""
-    flags = ["-O2", "-shared", "-fno-sanitize=undefined", "-o", str(library)]
-    compiler = [sys.executable, "-m", "ziglang", "cc"]
-    subprocess.run([*compiler, *flags, *map(str, sources), "-lm"], check=True)
-    return ctypes.CDLL(str(library))
-
-
 @cache
 def _simulator() -> ctypes.CDLL:
-    """Return the library of ``simulator.c``, which is kept by what the file contains."""
-    source = Path(__file__).with_name("simulator.c")
-    library = CACHE / f"{hashlib.sha256(source.read_bytes()).hexdigest()[:20]}.so"
-    if not library.exists():
-        CACHE.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=CACHE) as folder:
-            compiled(Path(folder) / library.name, source)
-            (Path(folder) / library.name).replace(library)
-    return ctypes.CDLL(str(library))
+    """Return the library of ``simulator.c``."""
+    source = Path(__file__).with_name("simulator.c").read_text(encoding="utf-8")
+    return ctypes.CDLL(str(shared_library("simulator", {"simulator.c": source}, flags=["-lm"])))
 
 
 def positions(v_cmd: np.ndarray, T_s: float) -> np.ndarray:

@@ -53,10 +53,8 @@ class Coupled:
         """Let a run, which was wired and has its times, use this."""
         for name, every in self._coupling.every.items():
             if run.n_steps % every:
-                raise ExperimentError(
-                    f"every: {name} steps {every} at a time, which does not divide the"
-                    f" {run.n_steps} steps of the run"
-                )
+                what = f"which does not divide the {run.n_steps} steps of the run"
+                raise ExperimentError(f"every: {name} steps {every} at a time, {what}")
         self._run = run
         n, connections = len(self._place), self._system.connections
         late = [s for t, s in connections.items() if not self._is_earlier(s, t)]
@@ -165,10 +163,8 @@ class Coupled:
         for group in self._groups:
             rates = {coupling.every.get(name, 1) for name in group.components}
             if group.iterated and len(rates) > 1:
-                raise ExperimentError(
-                    f"{', '.join(group.components)} are iterated together and must step at one"
-                    f" rate, got {sorted(rates)}"
-                )
+                what = f"are iterated together and must step at one rate, got {sorted(rates)}"
+                raise ExperimentError(f"{', '.join(group.components)} {what}")
         if not coupling.adaptive:
             return
         for name, fmu in system.components.items():
@@ -244,9 +240,8 @@ class Coupled:
             link.fresh = self._is_fresh(sources[target], name)
             variable = self._system.variable(target)
             link.holds = variable.is_discrete or self._variable(sources[target]).is_discrete
-            link.feeds_through = any(
-                variable.owner in fmu.feedthrough.get(output, ()) for output in shown
-            )
+            through = (fmu.feedthrough.get(output, ()) for output in shown)
+            link.feeds_through = any(variable.owner in inputs for inputs in through)
         shows = any(link.feeds_through for link in links)
         member = tables.Member(links=links, values=(ctypes.c_double * n)())
         member.splits = degree > 0 and shows and not interpolates and fmu.varies_step

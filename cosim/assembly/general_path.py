@@ -108,10 +108,8 @@ class GeneralComponent:
 
     def state_calls(self) -> tuple[int, int, int]:
         """Return the addresses of the functions that save, restore and free its state."""
-        save, restore, free = (
-            _address(getattr(self._kernel, f"general_{verb}FMUstate"))
-            for verb in ("Get", "Set", "Free")
-        )
+        functions = (getattr(self._kernel, f"general_{v}FMUstate") for v in ("Get", "Set", "Free"))
+        save, restore, free = map(_address, functions)
         return save, restore, free
 
     def follow_polynomials(self, fresh: Sequence[bool], degree: int) -> int:
@@ -140,14 +138,9 @@ class GeneralComponent:
         """Let inputs, by name, follow tables in their own unit; Model Exchange knows them whole."""
         self._tables = tables
         for i, name in enumerate(self._names):
-            table = tables.get(name)
-            self.c.courses[i] = (
-                structures.Course(
-                    len(table.time), doubles(table.time), doubles(table.values), table.held
-                )
-                if table
-                else structures.Course()
-            )
+            one = tables.get(name)
+            given = (len(one.time), doubles(one.time), doubles(one.values), one.held) if one else ()
+            self.c.courses[i] = structures.Course(*given)
 
     def jump(self, tables: Mapping[str, Table], t: float) -> None:
         """Let inputs follow tables that jump, if at all, at the present time (s)."""
@@ -204,9 +197,8 @@ class GeneralComponent:
 
 
 def _groups(sources: Sequence[Batch]) -> structures.Groups:
-    return structures.Groups(
-        len(sources), (structures.Group * len(sources))(*(b.group() for b in sources))
-    )
+    groups = (batch.group() for batch in sources)
+    return structures.Groups(len(sources), (structures.Group * len(sources))(*groups))
 
 
 def _ports(sources: Sequence[Batch], variables: Sequence[Variable], ahead: Sequence[bool]) -> Any:
@@ -220,12 +212,8 @@ def _ports(sources: Sequence[Batch], variables: Sequence[Variable], ahead: Seque
 
 def _addresses(fmu: Fmu, library: Library) -> list[int]:
     needs = "M" if fmu.interface == "model_exchange" else "C"
-    needs += (
-        "E" * fmu.event_mode
-        + "K" * bool(fmu.clocks)
-        + "S" * bool(fmu.structural)
-        + "R" * fmu.restores_state
-    )
+    needs += "E" * fmu.event_mode + "R" * fmu.restores_state
+    needs += "K" * bool(fmu.clocks) + "S" * bool(fmu.structural)
     return [
         0
         if name in {"-", library.lacks_reset} or not set(reasons) & set(needs)
@@ -246,16 +234,14 @@ def _cvode_table() -> Any:
     places = [value for name, value in vars(libraries).items() if name.startswith("sundials_")]
     names = [name for _, name, *_ in structures.calls("CVODE_CALLS")]
     found = (next(p for p in places if hasattr(p, name)) for name in names)
-    return (ctypes.c_void_p * len(names))(
-        *(_address(getattr(place, name)) for place, name in zip(found, names, strict=True))
-    )
+    pairs = zip(found, names, strict=True)
+    return (ctypes.c_void_p * len(names))(*(_address(getattr(p, name)) for p, name in pairs))
 
 
 def _cvode(fmu: Fmu) -> Any:
     try:
         return _cvode_table()
     except (ImportError, OSError, AttributeError, StopIteration) as fault:
-        raise FmuError(
-            f"{fmu.path}: Model Exchange needs the solver CVode, which FMPy has for"
-            f" x86_64-linux, x86_64-windows and darwin ({fault}); use its Co-Simulation interface"
-        ) from fault
+        what = f"CVode, which FMPy has for x86_64-linux, x86_64-windows and darwin ({fault})"
+        advice = "use its Co-Simulation interface"
+        raise FmuError(f"{fmu.path}: Model Exchange needs the solver {what}; {advice}") from fault

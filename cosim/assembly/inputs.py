@@ -42,9 +42,8 @@ def put_inputs(system: System, inputs: Mapping[str, Input], time: Array, table: 
     places = {name: i for i, name in enumerate(system.inputs)}
     for name, signal in inputs.items():
         if name not in places:
-            raise SignalError(
-                f"{system.name} has no exposed input {name!r}{suggestion(name, places)}"
-            )
+            near = suggestion(name, places)
+            raise SignalError(f"{system.name} has no exposed input {name!r}{near}")
         targets, column = system.inputs[name], table[:, places[name]]
         if isinstance(signal, Table) and system.variable(targets[0]).is_discrete:
             signal = signal.hold(time)
@@ -116,9 +115,8 @@ class InputEvents:
     def attach(self, run: structures.Run) -> None:
         """Let a run, which is about to begin, stop at these."""
         n = run.n_events = len(self.times)
-        run.events = (structures.InputEvent * n)(
-            *map(structures.InputEvent, self.steps.tolist(), self.times.tolist())
-        )
+        events = map(structures.InputEvent, self.steps.tolist(), self.times.tolist())
+        run.events = (structures.InputEvent * n)(*events)
         run.parts = (ctypes.c_double * (2 * run.width if n else 0))()
         run.event_inputs = structures.doubles(self.values)
 

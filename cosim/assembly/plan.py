@@ -124,9 +124,8 @@ def _select(system: System, record: Iterable[str] | None) -> tuple[list[str], li
         found = [name for name in usual if name == wanted or fnmatchcase(name, wanted)]
         fit = [wanted] if wanted in strings else [n for n in told if fnmatchcase(n, wanted)]
         if not (found or fit) and any(mark in wanted for mark in "*?"):
-            raise ConnectionFault(
-                f"cannot record {wanted!r}: no output fits{suggestion(wanted, usual)}"
-            )
+            what = f"no output fits{suggestion(wanted, usual)}"
+            raise ConnectionFault(f"cannot record {wanted!r}: {what}")
         if found or not fit:
             kept |= dict.fromkeys(found or _recordable(system, wanted))
         texts |= dict.fromkeys(fit)
@@ -151,9 +150,8 @@ def _recordable(system: System, name: str) -> list[str]:
         raise ConnectionFault(f"cannot record {name}: {fault}") from None
     elements = [element for element in variable.elements() if element.is_signal]
     if not elements:
-        raise ConnectionFault(
-            f"cannot record {name}: it is {variable.type}, expected a number, Boolean or String"
-        )
+        what = f"it is {variable.type}, expected a number, Boolean or String"
+        raise ConnectionFault(f"cannot record {name}: {what}")
     return [f"{component_of(name)}.{element.name}" for element in elements]
 
 
@@ -173,9 +171,8 @@ class Plan:
         self.spec, system = spec, spec.system
         self.n_steps = count_steps(spec.start, spec.stop, spec.step)
         if spec.tolerance is not None and not 0 < spec.tolerance < 1:
-            raise ExperimentError(
-                f"tolerance is {spec.tolerance}, expected a number between 0 and 1"
-            )
+            what = "expected a number between 0 and 1"
+            raise ExperimentError(f"tolerance is {spec.tolerance}, {what}")
         self.coupling = Coupling.of(spec.coupling)
         self.groups = group(system, self.coupling)
         self.order = [name for members in self.groups for name in members.components]
@@ -210,9 +207,8 @@ class Plan:
     @property
     def part(self) -> int:
         """How many points a part of a result has that is handed on as the run goes."""
-        return min(
-            self.n_steps // self.record.every + 1, -(-_PART // (1 + len(self.layout.recorded)))
-        )
+        points = self.n_steps // self.record.every + 1
+        return min(points, -(-_PART // (1 + len(self.layout.recorded))))
 
     def step_at(self, until: float | None) -> int:
         """Return the number of the step that ends at a time (s), by default of the last."""
@@ -253,10 +249,8 @@ def count_steps(start: float, stop: float, step: float) -> int:
         if not isinstance(value, Real):
             raise ExperimentError(f"{name} is {value!r:.80}, expected a number, in s")
     if not (all(map(math.isfinite, (start, stop, step))) and step > 0 and stop > start):
-        raise ExperimentError(
-            f"start {start} s, stop {stop} s and step {step} s must be finite, the step must be"
-            " positive, and stop must lie after start"
-        )
+        what = "must be finite, the step must be positive, and stop must lie after start"
+        raise ExperimentError(f"start {start} s, stop {stop} s and step {step} s {what}")
     exact = (stop - start) / step
     if exact > MAX_STEPS:
         raise ExperimentError(
@@ -264,9 +258,8 @@ def count_steps(start: float, stop: float, step: float) -> int:
             f" most {MAX_STEPS:.0e} are done; choose a larger step or an earlier stop"
         )
     if 4 * math.ulp(max(abs(start), abs(stop))) > step:
-        raise ExperimentError(
-            f"a step of {step} s is lost in rounding at times of {stop:.9g} s; choose a larger one"
-        )
+        what = f"is lost in rounding at times of {stop:.9g} s; choose a larger one"
+        raise ExperimentError(f"a step of {step} s {what}")
     n = round(exact)
     rounding = math.ulp(max(abs(start), abs(stop))) / step
     if n < 1 or abs(exact - n) > 1e-9 * n + rounding:
@@ -285,8 +278,7 @@ def check_memory(points: int, columns: float) -> None:
         return
     needed = points * columns * _NUMBER
     if needed > _SHARE * present:
-        raise ExperimentError(
-            f"the run would keep {points:.3g} points of {columns:.3g} numbers: {needed / 1e9:.3g}"
-            f" GB, where the machine has {present / 1e9:.3g} GB; record less, fewer points or a"
-            " shorter time"
-        )
+        what = f"{points:.3g} points of {columns:.3g} numbers: {needed / 1e9:.3g} GB"
+        room = f"where the machine has {present / 1e9:.3g} GB"
+        advice = "record less, fewer points or a shorter time"
+        raise ExperimentError(f"the run would keep {what}, {room}; {advice}")

@@ -68,7 +68,8 @@ def wire(
         scales = [system.scaling(sources[target], target) for _, target in inputs[name]]
         scaled = any(scaling != IDENTITY for scaling in scales)
         if scaled:
-            slot.scales = _doubles([s.factor for s in scales] + [s.offset for s in scales])
+            both = [s.factor for s in scales] + [s.offset for s in scales]
+            slot.scales = (ctypes.c_double * len(both))(*both)
         if not offsets:
             slot.inputs = kernel.NONE
         elif offsets == list(range(offsets[0], offsets[0] + len(offsets))) and not scaled:
@@ -104,10 +105,6 @@ def wire(
         block=max(1, min(_BLOCK_STEPS, _BLOCK_VALUES // max(1, width))),
     )
     return run, general_components
-
-
-def _doubles(numbers: Sequence[float]) -> ctypes.Array[ctypes.c_double]:
-    return (ctypes.c_double * len(numbers))(*numbers)
 
 
 def connected_inputs(
@@ -173,14 +170,10 @@ class Settings:
         }
         self._general_components = general_components
         self._tables: dict[str, Any] = {}
-        self._slots = {
-            name: next(
-                batch
-                for batch in self._batches[component_of(name), _phase(variable)]
-                if batch.holds(variable)
-            )
-            for name, variable in self._variables.items()
-        }
+        self._slots = {}
+        for name, variable in self._variables.items():
+            found = self._batches[component_of(name), _phase(variable)]
+            self._slots[name] = next(batch for batch in found if batch.holds(variable))
         self._numbers = {  # most, and written without detour
             name: (self._slots[name].values, self._slots[name].place(variable))
             for name, variable in self._variables.items()
@@ -212,13 +205,8 @@ class Settings:
             else:
                 room[place] = value
         for component, general in self._general_components.items():
-            general.hold(
-                {
-                    name: (self._variables[name], value)
-                    for name, value in values.items()
-                    if component_of(name) == component
-                }
-            )
+            own = [name for name in values if component_of(name) == component]
+            general.hold({name: (self._variables[name], values[name]) for name in own})
 
 
 def _phase(variable: Variable) -> _Phase:
@@ -353,9 +341,8 @@ class Memory:
             time = self._plan.at(np.arange(begin * every, last + 1, every, dtype=np.float64))
         else:
             time = self._plan.time[begin * every : last + 1 : every]
-        values = (self._rows if self._whole else self._record)[
-            begin - self._begin : end - self._begin
-        ]
+        rows = self._rows if self._whole else self._record
+        values = rows[begin - self._begin : end - self._begin]
         if further:
             time = np.append(time, self._plan.at(last))
             values = np.vstack([values, self.last()])

@@ -34,8 +34,7 @@ from stickslip.fmi.files import atomic_write
 from stickslip.fmi.standard import standard_files
 from stickslip.fmi.toolchain import Platform
 
-_KERNEL = ["kernel.h", "arithmetic.h", "mark.h", "calls.h", "walk.h", "steps.h"]
-_KERNEL += ["instance.c"]
+_KERNEL = ["kernel.h", "arithmetic.h", "mark.h", "calls.h", "walk.h", "steps.h", "instance.c"]
 
 
 def write_fmu(
@@ -80,10 +79,8 @@ def write_fmu(
     if fmi not in (2, 3):
         raise ExperimentError(f"fmi is {fmi!r}, expected 2 or 3")
     if coupling not in ("gauss_seidel", "jacobi"):
-        raise ExperimentError(
-            f"coupling is {coupling!r}, expected 'gauss_seidel' or 'jacobi': a container repeats"
-            " no steps"
-        )
+        what = "expected 'gauss_seidel' or 'jacobi': a container repeats no steps"
+        raise ExperimentError(f"coupling is {coupling!r}, {what}")
     components = system.fmus("a container")
     if not components:
         raise ConnectionFault(f"{system.name} has no component; add one before it is exported")
@@ -189,16 +186,12 @@ def _component(fmu: Fmu, label: str, folder: str, targets: Sequence[Platform]) -
     for target in targets:
         place = target.fmi2 if fmu.version == 2 else target.tuple
         if not (fmu.folder / "binaries" / place / (fmu.binary.stem + target.suffix)).is_file():
-            raise FmuError(
-                f"{label} has no binary for {target.tuple} (binaries/{place}); build it for that"
-                " platform, or leave the platform out"
-            )
+            advice = "build it for that platform, or leave the platform out"
+            raise FmuError(f"{label} has no binary for {target.tuple} (binaries/{place}); {advice}")
         kept.append(f"binaries/{place}/**/*")
     files = sorted(file for pattern in kept for file in fmu.folder.glob(pattern) if file.is_file())
-    return {
-        f"resources/{folder}/{file.relative_to(fmu.folder).as_posix()}": file.read_bytes()
-        for file in files
-    }
+    paths = ((file.relative_to(fmu.folder).as_posix(), file) for file in files)
+    return {f"resources/{folder}/{path}": file.read_bytes() for path, file in paths}
 
 
 def _sources(fmi: int, wanted: Iterable[str]) -> dict[str, str]:

@@ -55,9 +55,8 @@ static int pass(const Instance *x, int part, void (*function)(void), uint32_t re
     typedef int Pass2(void *, const uint32_t *, size_t, void *);
     typedef int Pass3(void *, const uint32_t *, size_t, void *, size_t);
     void *instance = x->components[part].instance;
-    if (!function || !instance) {
+    if (!function || !instance)
         return ERROR;
-    }
     return x->components[part].version == 2
                ? ((Pass2 *)function)(instance, &reference, 1, value)
                : ((Pass3 *)function)(instance, &reference, 1, value, 1);
@@ -66,11 +65,10 @@ static int pass(const Instance *x, int part, void (*function)(void), uint32_t re
 int access_set(Instance *x, int part, Type type, uint32_t reference, double value) {
     PLAIN_HERE;
     Value v = {.real = value};
-    if (type == BOOLEAN && x->components[part].version == 3) {
+    if (type == BOOLEAN && x->components[part].version == 3)
         v.boolean = value != 0.0;
-    } else if (type != REAL) {
+    else if (type != REAL)
         v.integer = (int32_t)value;
-    }
     return pass(x, part, x->access[part].set[type], reference, &v);
 }
 

@@ -14,9 +14,8 @@ Status report(const Instance *x, Status status, const char *format, ...) {
     va_start(values, format);
     vsnprintf(message, sizeof message, format, values);
     va_end(values);
-    if (x->logger.callback) {
+    if (x->logger.callback)
         x->logger.emit(&x->logger, x->name, status, "logStatusError", message);
-    }
     return status;
 }
 
@@ -62,15 +61,13 @@ static bool instantiate_part(Instance *x, int i) {
         report(x, ERROR, "the path of the resources is too long: %s", x->resources);
         return false;
     }
-    if (part->wiring.version == 2) {
+    if (part->wiring.version == 2)
         uri_of_path(path, resources, sizeof resources);
-    } else {
+    else
         snprintf(resources, sizeof resources, "%s/", path);
-    }
     instantiate(c, part->name, part->token, resources);
-    if (!c->instance) {
+    if (!c->instance)
         report(x, ERROR, "%s cannot be instantiated: %s", part->name, c->log->message);
-    }
     return c->instance != NULL;
 }
 
@@ -105,17 +102,14 @@ static Status start(Instance *x) {
     x->run.start = 0.0;
     x->run.stop = INFINITY;
     x->phase = INSTANTIATED;
-    for (int i = 0; i < N_VARIABLES; i++) {
-        if (VARIABLES[i].role == INPUT) {
+    for (int i = 0; i < N_VARIABLES; i++)
+        if (VARIABLES[i].role == INPUT)
             x->rows[VARIABLES[i].column] = VARIABLES[i].start;
-        }
-    }
     for (int i = 0; i < N_STARTS; i++) {
         const Start *s = &STARTS[i];
         const int status = access_set(x, s->part, s->type, s->reference, s->value);
-        if (status > WARNING) {
+        if (status > WARNING)
             return part_failed(x, s->part, "setting a start value", status);
-        }
     }
     return OK;
 }
@@ -123,9 +117,8 @@ static Status start(Instance *x) {
 Instance *instance_new(const char *name, const char *token, const char *resources,
                        bool model_exchange, Logger logger) {
     Instance *x = model_exchange ? NULL : calloc(1, sizeof *x);
-    if (!x) {
+    if (!x)
         return NULL;
-    }
     x->logger = logger;
     snprintf(x->name, sizeof x->name, "%s", name ? name : "");
     x->run = (Run){
@@ -144,12 +137,10 @@ Instance *instance_new(const char *name, const char *token, const char *resource
         report(x, ERROR, "the token is %s, expected %s; or there is no resource location",
                token ? token : "missing", TOKEN);
     }
-    if (alive) {
+    if (alive)
         path_of_uri(resources, x->resources, sizeof x->resources);
-    }
-    for (int i = 0; alive && i < N_PARTS; i++) {
+    for (int i = 0; alive && i < N_PARTS; i++)
         alive = load_part(x, i);
-    }
     if (!alive || start(x) != OK) {
         instance_free(x);
         return NULL;
@@ -160,9 +151,8 @@ Instance *instance_new(const char *name, const char *token, const char *resource
 void instance_free(Instance *x) {
     for (int i = 0; x && i < N_PARTS; i++) {
         release(&x->components[i]);
-        if (x->access[i].library) {
+        if (x->access[i].library)
             library_close(x->access[i].library);
-        }
     }
     free(x);
 }
@@ -172,9 +162,8 @@ Status instance_reset(Instance *x) {
     for (int i = 0; i < N_PARTS; i++) {
         Component *c = &x->components[i];
         clear_log(c->log);
-        if (c->instance && !reset(&x->run, c)) {
+        if (c->instance && !reset(&x->run, c))
             release(c);
-        }
         if (!c->instance && !instantiate_part(x, i)) {
             x->phase = BROKEN;
             return ERROR;

@@ -21,13 +21,8 @@ from stickslip.fmi.messages import escaped, suggestion
 Role = Literal["TIME", "INPUT", "OUTPUT", "PARAMETER", "TUNABLE"]
 
 # FMI 2.0 has one integer for both of these; the 64-bit enumerations of FMI 3.0 are left out.
-TYPES = {
-    "Real": "REAL",
-    "Float64": "REAL",
-    "Integer": "INTEGER",
-    "Int32": "INTEGER",
-    "Boolean": "BOOLEAN",
-}
+TYPES = {"Real": "REAL", "Float64": "REAL", "Integer": "INTEGER", "Int32": "INTEGER"}
+TYPES["Boolean"] = "BOOLEAN"
 
 
 @dataclass(frozen=True)
@@ -63,18 +58,16 @@ def _input(system: System, name: str) -> ContainerVariable:
     unit, start = system.unit_of(name), 0.0 if start is None else start
     described = variable.description
     if not variable.is_plain:
-        raise ConnectionFault(
-            f"input {name} is a {variable.type}, which a container does not show; leave it out"
-        )
+        what = "which a container does not show; leave it out"
+        raise ConnectionFault(f"input {name} is a {variable.type}, {what}")
     return ContainerVariable(name, "INPUT", "REAL", name, unit, start, description=described)
 
 
 def _outputs(system: System, patterns: Sequence[str] | None) -> list[ContainerVariable]:
     every = _variables(system, lambda v: v.causality == "output" and v.is_plain)
     if hidden := [name for name, source in system.outputs.items() if source not in every]:
-        raise ConnectionFault(
-            f"output {hidden[0]} is an array or of a type that a container does not show"
-        )
+        what = "is an array or of a type that a container does not show"
+        raise ConnectionFault(f"output {hidden[0]} {what}")
     names = dict(system.outputs) if patterns is None else {}
     if not names:
         names = {name: name for name in _matching(every, patterns, ConnectionFault)}
@@ -127,13 +120,8 @@ _TAGS = {
     2: {"REAL": "Real", "INTEGER": "Integer", "BOOLEAN": "Boolean"},
     3: {"REAL": "Float64", "INTEGER": "Int32", "BOOLEAN": "Boolean"},
 }
-_CAUSALITY = {
-    "TIME": "independent",
-    "INPUT": "input",
-    "OUTPUT": "output",
-    "PARAMETER": "parameter",
-    "TUNABLE": "parameter",
-}
+_CAUSALITY = {"TIME": "independent", "INPUT": "input", "OUTPUT": "output"}
+_CAUSALITY |= dict.fromkeys(("PARAMETER", "TUNABLE"), "parameter")
 _VARIABILITY = {"PARAMETER": "fixed", "TUNABLE": "tunable"}
 _INITIAL = {"PARAMETER": "exact", "TUNABLE": "exact", "OUTPUT": "calculated"}
 

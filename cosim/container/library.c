@@ -11,13 +11,11 @@
 void *library_open(const char *path, char *reason, size_t size) {
     wchar_t wide[4096];
     MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, 4096);
-    for (wchar_t *c = wide; *c; c++) {
+    for (wchar_t *c = wide; *c; c++)
         *c = *c == L'/' ? L'\\' : *c;
-    }
     void *library = LoadLibraryExW(wide, NULL, LOAD_WITH_ALTERED_SEARCH_PATH);
-    if (!library) {
+    if (!library)
         snprintf(reason, size, "%s: error %lu of Windows", path, GetLastError());
-    }
     return library;
 }
 
@@ -31,9 +29,8 @@ void (*library_function(void *library, const char *name))(void) {
 
 void *library_open(const char *path, char *reason, size_t size) {
     void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    if (!library) {
+    if (!library)
         snprintf(reason, size, "%s", dlerror());
-    }
     return library;
 }
 
@@ -50,12 +47,10 @@ void (*library_function(void *library, const char *name))(void) {
 void path_of_uri(const char *uri, char *path, size_t size) {
     const bool is_uri = strncmp(uri, "file:", 5) == 0;
     const char *from = is_uri ? uri + 5 : uri;
-    if (is_uri && strncmp(from, "//", 2) == 0) { /* an empty host or localhost, then the path */
+    if (is_uri && strncmp(from, "//", 2) == 0) /* an empty host or localhost, then the path */
         from = strchr(from + 2, '/') ? strchr(from + 2, '/') : from + 2;
-    }
-    if (is_uri && from[0] == '/' && isalpha((unsigned char)from[1]) && from[2] == ':') {
+    if (is_uri && from[0] == '/' && isalpha((unsigned char)from[1]) && from[2] == ':')
         from++;
-    }
     size_t n = 0;
     for (; *from && n + 1 < size; from++) {
         char code[3] = {0};
@@ -68,9 +63,8 @@ void path_of_uri(const char *uri, char *path, size_t size) {
             path[n++] = *from;
         }
     }
-    while (n > 1 && (path[n - 1] == '/' || path[n - 1] == '\\')) {
+    while (n > 1 && (path[n - 1] == '/' || path[n - 1] == '\\'))
         n--;
-    }
     path[n] = '\0';
 }
 
@@ -78,13 +72,12 @@ void uri_of_path(const char *path, char *uri, size_t size) {
     size_t n = (size_t)snprintf(uri, size, "file://%s", path[0] == '/' ? "" : "/");
     for (; *path && n + 4 < size; path++) {
         const unsigned char c = (unsigned char)*path;
-        if (isalnum(c) || strchr("-._~/:", c)) {
+        if (isalnum(c) || strchr("-._~/:", c))
             uri[n++] = *path;
-        } else if (c == '\\') {
+        else if (c == '\\')
             uri[n++] = '/';
-        } else {
+        else
             n += (size_t)snprintf(uri + n, size - n, "%%%02X", c);
-        }
     }
     uri[n] = '\0';
 }

@@ -21,10 +21,8 @@ Status settle(Instance *x) {
         for (int i = 0; i < N_PARTS; i++) {
             Component *c = &x->components[i];
             memcpy(x->rows + WIDTH, x->rows, WIDTH * sizeof *x->rows);
-            if (!set_inputs(&x->run, c, x->rows) ||
-                !get_outputs(&x->run, c, c->n_outputs, x->rows)) {
+            if (!set_inputs(&x->run, c, x->rows) || !get_outputs(&x->run, c, c->n_outputs, x->rows))
                 return failed(x);
-            }
         }
         x->stale = memcmp(before, x->rows, sizeof before) != 0;
     }
@@ -36,9 +34,8 @@ Status settle(Instance *x) {
 }
 
 Status instance_set_up(Instance *x, double start_time, bool stop_defined, double stop) {
-    if (!isfinite(start_time)) {
+    if (!isfinite(start_time))
         return report(x, ERROR, "the start time is not finite");
-    }
     x->run.start = start_time;
     x->run.stop = stop_defined ? stop : INFINITY;
     return OK;
@@ -48,9 +45,8 @@ Status instance_enter_initialization(Instance *x) {
     PLAIN_HERE;
     for (int i = 0; i < N_PARTS; i++) {
         Component *c = &x->components[i];
-        if (!enter_initialization(&x->run, c) || !get_outputs(&x->run, c, c->n_outputs, x->rows)) {
+        if (!enter_initialization(&x->run, c) || !get_outputs(&x->run, c, c->n_outputs, x->rows))
             return failed(x);
-        }
     }
     x->phase = INITIALIZATION;
     x->stale = true;
@@ -60,20 +56,17 @@ Status instance_enter_initialization(Instance *x) {
 Status instance_exit_initialization(Instance *x) {
     PLAIN_HERE;
     const Status settled = settle(x);
-    if (settled != OK) {
+    if (settled != OK)
         return settled;
+    for (int i = 0; i < N_PARTS; i++) {
+        Component *c = &x->components[i];
+        if (!exit_initialization(&x->run, c))
+            return failed(x);
     }
     for (int i = 0; i < N_PARTS; i++) {
         Component *c = &x->components[i];
-        if (!exit_initialization(&x->run, c)) {
+        if (!get_outputs(&x->run, c, c->n_outputs, x->rows))
             return failed(x);
-        }
-    }
-    for (int i = 0; i < N_PARTS; i++) {
-        Component *c = &x->components[i];
-        if (!get_outputs(&x->run, c, c->n_outputs, x->rows)) {
-            return failed(x);
-        }
     }
     x->phase = STEPPING;
     return OK;
@@ -82,11 +75,9 @@ Status instance_exit_initialization(Instance *x) {
 static Status check_finite(Instance *x) {
     for (int i = 0; i < N_PARTS; i++) {
         const Component *c = &x->components[i];
-        for (size_t k = 0; k < c->n_outputs; k++) {
-            if (!isfinite(x->rows[c->column + (int64_t)k])) {
+        for (size_t k = 0; k < c->n_outputs; k++)
+            if (!isfinite(x->rows[c->column + (int64_t)k]))
                 return part_failed(x, i, "an output is not finite, so the step", ERROR);
-            }
-        }
     }
     return OK;
 }
@@ -96,13 +87,11 @@ static Status step_to(Instance *x, int64_t last) {
     while (run->done < last) {
         memcpy(x->rows + WIDTH, x->rows, N_INPUTS * sizeof *x->rows);
         run->block_start = run->done;
-        if (!step_until(run, run->done + 1)) {
+        if (!step_until(run, run->done + 1))
             return failed(x);
-        }
         memcpy(x->rows, x->rows + WIDTH, WIDTH * sizeof *x->rows);
-        if (check_finite(x) != OK) {
+        if (check_finite(x) != OK)
             return ERROR;
-        }
     }
     return OK;
 }
@@ -136,15 +125,13 @@ Status instance_step(Instance *x, double t, double h) {
                                     "vary: ",
                       STEP);
     }
-    if (!(fabs(t - now) <= near)) {
+    if (!(fabs(t - now) <= near))
         return report(x, ERROR, "the communication point is %.9g s, expected %.9g s", t, now);
-    }
     const int64_t last = run->done + (int64_t)n;
     keep_time(&run->t);
     Status status = step_to(x, last);
-    if (status == OK && rest > near) {
+    if (status == OK && rest > near)
         status = step_short(x, instance_time(x), t + h - instance_time(x));
-    }
     keep_time(NULL);
     return status;
 }
@@ -152,10 +139,8 @@ Status instance_step(Instance *x, double t, double h) {
 Status instance_terminate(Instance *x) {
     PLAIN_HERE;
     x->phase = ENDED;
-    for (int i = 0; i < N_PARTS; i++) {
-        if (!terminate(&x->run, &x->components[i])) {
+    for (int i = 0; i < N_PARTS; i++)
+        if (!terminate(&x->run, &x->components[i]))
             return failed(x);
-        }
-    }
     return OK;
 }

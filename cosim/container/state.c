@@ -38,9 +38,8 @@ static Status none(Instance *x) {
 Status instance_save(Instance *x, void **state) {
     REQUIRE_ALIVE
     State *s = *state ? *state : calloc(1, sizeof *s);
-    if (!s) {
+    if (!s)
         return report(x, ERROR, "there is no memory left to save the state");
-    }
     *state = s;
     s->own.phase = x->phase;
     s->own.done = x->run.done;
@@ -54,9 +53,8 @@ Status instance_save(Instance *x, void **state) {
 Status instance_restore(Instance *x, const void *state) {
     REQUIRE_ALIVE
     const State *s = state;
-    if (!s) {
+    if (!s)
         return none(x);
-    }
     ON_EACH_PART(ON_PART(restore, s->parts[i]))
     x->phase = s->own.phase;
     x->stale = x->phase == INITIALIZATION;
@@ -82,15 +80,13 @@ Status instance_forget(Instance *x, void **state) {
 Status instance_serialized_size(Instance *x, const void *state, size_t *size) {
     REQUIRE_ALIVE
     const State *s = state;
-    if (!s) {
+    if (!s)
         return none(x);
-    }
     size_t sizes[N_PARTS];
     ON_EACH_PART(ON_PART(size, s->parts[i], &sizes[i]))
     *size = sizeof TOKEN + sizeof s->own;
-    for (int i = 0; i < N_PARTS; i++) {
+    for (int i = 0; i < N_PARTS; i++)
         *size += sizeof sizes[i] + sizes[i];
-    }
     return OK;
 }
 
@@ -112,9 +108,8 @@ Status instance_serialize(Instance *x, const void *state, uint8_t *bytes, size_t
         memcpy(bytes, &one, sizeof one);
         bytes += sizeof one;
         status = status > WARNING ? status : ON_PART(pack, s->parts[i], bytes, one);
-        if (status > WARNING) {
+        if (status > WARNING)
             return part_failed(x, i, __func__, status);
-        }
         bytes += one;
     }
     return OK;
@@ -123,18 +118,15 @@ Status instance_serialize(Instance *x, const void *state, uint8_t *bytes, size_t
 static Status unpack_parts(Instance *x, const uint8_t *bytes, const uint8_t *end, State *s) {
     for (int i = 0; i < N_PARTS; i++) {
         size_t size = 0;
-        if ((size_t)(end - bytes) < sizeof size) {
+        if ((size_t)(end - bytes) < sizeof size)
             return none(x);
-        }
         memcpy(&size, bytes, sizeof size);
         bytes += sizeof size;
-        if ((size_t)(end - bytes) < size) {
+        if ((size_t)(end - bytes) < size)
             return none(x);
-        }
         const int status = ON_PART(unpack, bytes, size, &s->parts[i]);
-        if (status > WARNING) {
+        if (status > WARNING)
             return part_failed(x, i, __func__, status);
-        }
         bytes += size;
     }
     return OK;
@@ -143,18 +135,15 @@ static Status unpack_parts(Instance *x, const uint8_t *bytes, const uint8_t *end
 Status instance_deserialize(Instance *x, const uint8_t *bytes, size_t size, void **state) {
     REQUIRE_ALIVE
     const size_t head = sizeof TOKEN + sizeof(Own);
-    if (size < head || memcmp(bytes, TOKEN, sizeof TOKEN) != 0) {
+    if (size < head || memcmp(bytes, TOKEN, sizeof TOKEN) != 0)
         return none(x);
-    }
     State *s = calloc(1, sizeof *s);
-    if (!s) {
+    if (!s)
         return report(x, ERROR, "there is no memory left for the state");
-    }
     *state = s;
     memcpy(&s->own, bytes + sizeof TOKEN, sizeof s->own);
     const Status status = unpack_parts(x, bytes + head, bytes + size, s);
-    if (status != OK) {
+    if (status != OK)
         instance_forget(x, state);
-    }
     return status;
 }

@@ -85,17 +85,15 @@ def _wiring(i: int, part: structures.Component) -> str:
         "n_linked": part.n_linked,
         "tolerance": repr(part.tolerance),
     }
-    return _struct(members)
+    return "{" + ", ".join(f".{name} = {value}" for name, value in members.items()) + "}"
 
 
 def _start(system: System, place: Mapping[str, int], name: str, value: Value) -> str:
     variable = system.variable(name)
     if variable.type not in TYPES or variable.dimensions or variable.array:
-        raise ParameterError(
-            f"{name}: a container cannot set a start value of type {variable.type}"
-            f"{' array' if variable.dimensions or variable.array else ''};"
-            " export the component with this value"
-        )
+        what = f"type {variable.type}{' array' if variable.dimensions or variable.array else ''}"
+        advice = "export the component with this value"
+        raise ParameterError(f"{name}: a container cannot set a start value of {what}; {advice}")
     number = float(value)  # type: ignore[arg-type]  # of a scalar, by the test above
     part = place[component_of(name)]
     return f"{{{part}, {TYPES[variable.type]}, {variable.reference}, {number!r}}}"
@@ -111,10 +109,6 @@ def _variable(
         part, reference = place[component_of(v.source)], system.variable(v.source).reference
     start = 0.0 if v.start is None else float(v.start)  # type: ignore[arg-type]
     return f"{{{_text(v.name)}, {v.type}, {v.role}, {part}, {reference}, {column}, {start!r}}}"
-
-
-def _struct(members: Mapping[str, object]) -> str:
-    return "{" + ", ".join(f".{name} = {value}" for name, value in members.items()) + "}"
 
 
 def _table(head: str, rows: Sequence[str]) -> str:

@@ -6,25 +6,22 @@ Status instance_check(Instance *x, uint32_t reference, Type type, const char *ca
         return report(x, ERROR, "%s: value reference %lu does not exist; the last one is %d", call,
                       (unsigned long)reference, N_VARIABLES - 1);
     }
-    if (VARIABLES[reference].type != type) {
+    if (VARIABLES[reference].type != type)
         return report(x, ERROR, "%s: %s is of another type", call, VARIABLES[reference].name);
-    }
     return OK;
 }
 
 Status instance_get(Instance *x, uint32_t reference, Type type, double *value, const char *call) {
-    if (instance_check(x, reference, type, call) != OK) {
+    if (instance_check(x, reference, type, call) != OK)
         return ERROR;
-    }
     const Variable *v = &VARIABLES[reference];
     if (v->role == TIME) {
         *value = instance_time(x);
         return OK;
     }
     if (v->role == INPUT || v->role == OUTPUT) {
-        if (x->phase == INITIALIZATION && settle(x) != OK) {
+        if (x->phase == INITIALIZATION && settle(x) != OK)
             return ERROR;
-        }
         *value = x->rows[v->column];
         return OK;
     }
@@ -34,9 +31,8 @@ Status instance_get(Instance *x, uint32_t reference, Type type, double *value, c
 
 Status instance_accepts(Instance *x, uint32_t reference, Type type, double value,
                         const char *call) {
-    if (instance_check(x, reference, type, call) != OK) {
+    if (instance_check(x, reference, type, call) != OK)
         return ERROR;
-    }
     const Variable *v = &VARIABLES[reference];
     const bool early = x->phase & (INSTANTIATED | INITIALIZATION);
     if (v->role == TIME || v->role == OUTPUT || (v->role == PARAMETER && !early)) {

@@ -27,12 +27,7 @@ from stickslip.cosim.system.system import Specification, System
 from stickslip.fmi.by_name import by_name
 from stickslip.fmi.messages import suggestion
 
-__all__ = [
-    "LinearisationError",
-    "MeasuredResponse",
-    "linearise",
-    "measure_response",
-]
+__all__ = ["LinearisationError", "MeasuredResponse", "linearise", "measure_response"]
 
 
 def linearise(
@@ -130,10 +125,8 @@ def _dynamics(
 
 def _needed(step: float | None, what: object) -> float:
     if step is None:
-        raise LinearisationError(
-            f"{what} can be linearised over a step only, for it has no Model Exchange:"
-            " give step= [s]"
-        )
+        why = "for it has no Model Exchange: give step= [s]"
+        raise LinearisationError(f"{what} can be linearised over a step only, {why}")
     return step
 
 
@@ -144,10 +137,8 @@ def _chosen(wanted: Sequence[str] | None, known: Sequence[str]) -> tuple[str, ..
     return tuple(known if wanted is None else wanted)
 
 
-def _point(
-    names: Sequence[str], start: Array, values: Mapping[str, float] | None, what: str
-) -> Array:
-    point = dict(zip(names, start, strict=True))
+def _point(names: Sequence[str], at: Array, values: Mapping[str, float] | None, what: str) -> Array:
+    point = dict(zip(names, at, strict=True))
     for name, value in by_name(f"{what}s", values, LinearisationError).items():
         if name not in point:
             raise LinearisationError(f"there is no {what} {name!r}{suggestion(name, point)}")
@@ -270,10 +261,9 @@ def measure_response(
     if not wanted.size:
         raise ExperimentError("frequencies: expected one or more, got none")
     if not ((wanted > 0.0) & (wanted * step <= 1 / _LEAST)).all():
-        raise ExperimentError(
-            f"frequencies must lie above 0 and up to {1 / (_LEAST * step):g} Hz, a quarter of the"
-            f" sample rate; got {wanted.min():g} to {wanted.max():g} Hz"
-        )
+        what = f"{1 / (_LEAST * step):g} Hz, a quarter of the sample rate"
+        advice = f"got {wanted.min():g} to {wanted.max():g} Hz"
+        raise ExperimentError(f"frequencies must lie above 0 and up to {what}; {advice}")
     names = [input, *outputs]
     found: list[ComplexArray] = []
     reached = np.empty_like(wanted)

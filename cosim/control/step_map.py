@@ -41,10 +41,8 @@ class StepMap:
         }
         self.states = tuple(variables)
         if not self.states:
-            raise LinearisationError(
-                f"{system.name} has no states that can be set: continuous variables with a start"
-                " value; measure its frequency response instead"
-            )
+            what = "continuous variables with a start value; measure its frequency response instead"
+            raise LinearisationError(f"{system.name} has no states that can be set: {what}")
         self._watched = variables | {
             f"{name}.{v.name}": v
             for name, fmu in system.components.items()
@@ -67,17 +65,13 @@ class StepMap:
         two = self._run(x, [u, later, later], self._watched)
         ignored = np.abs(two[0, :n] - x) > _TOLERANCE * np.maximum(np.abs(x), self.x_size)
         if ignored.any():
-            raise LinearisationError(
-                f"{name} does not start from the given values of"
-                f" {', '.join(np.array(self.states)[ignored])}; {_INSTEAD}"
-            )
+            given = f"the given values of {', '.join(np.array(self.states)[ignored])}"
+            raise LinearisationError(f"{name} does not start from {given}; {_INSTEAD}")
         one = self._run(two[1, :n], [later] * 3, self._watched)
         if names := self._off(two, two[2:], one[1:2], _HIDDEN):
-            raise LinearisationError(
-                f"{name} remembers more than its states, or counts time: a second step of"
-                f" {self.dt:g} s takes {names} elsewhere; choose the step of what samples in it,"
-                f" {_INSTEAD}"
-            )
+            why = f"a second step of {self.dt:g} s takes {names} elsewhere"
+            what = f"{name} remembers more than its states, or counts time: {why}"
+            raise LinearisationError(f"{what}; choose the step of what samples in it, {_INSTEAD}")
         self._simulation.close()
         for steps in _WINDOWS:
             try:
@@ -85,10 +79,10 @@ class StepMap:
             except SimulationError:  # it does not go that far
                 break
             if names:
+                what = f"more than the states that can be set ({', '.join(self.states)})"
+                why = f"after {steps} steps of {self.dt:g} s, a run that starts from them takes"
                 raise LinearisationError(
-                    f"{name} remembers more than the states that can be set"
-                    f" ({', '.join(self.states)}): after {steps} steps of {self.dt:g} s, a run that"
-                    f" starts from them takes {names} elsewhere; {_INSTEAD}"
+                    f"{name} remembers {what}: {why} {names} elsewhere; {_INSTEAD}"
                 )
 
     def _off_after(self, steps: int, x: Array, u: Array, later: Array) -> str:
@@ -161,10 +155,9 @@ def _states(component: str, fmu: Fmu) -> list[Variable]:
         instead = _INSTEAD
         if "model_exchange" in fmu.interfaces:
             instead = f"linearise its Model Exchange by leaving out step=, or {_MEASURE}"
-        raise LinearisationError(
-            f"{component} ({fmu.path.name}): a step cannot start from a given value of"
-            f" {', '.join(lost)}, expected a scalar of 64 bits with initial=exact; {instead}"
-        )
+        what = f"a step cannot start from a given value of {', '.join(lost)}"
+        advice = f"expected a scalar of 64 bits with initial=exact; {instead}"
+        raise LinearisationError(f"{component} ({fmu.path.name}): {what}, {advice}")
     return [fmu.variables[state] for state in dict.fromkeys(named.values()) if state is not None]
 
 

@@ -64,13 +64,11 @@ typedef struct {
 } Instance;
 
 static int initialized(Instance *m) {
-    if (m->initialized) {
+    if (m->initialized)
         return fmi1OK;
-    }
     m->initialized = true;
-    if (!m->exchange) {
+    if (!m->exchange)
         return (int)calls.InitializeSlave(m->own, m->start, fmi1True, m->stop);
-    }
     m->updated = true;
     const int status = (int)calls.SetTime(m->own, m->start);
     return status > fmi1Warning

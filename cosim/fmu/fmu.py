@@ -31,10 +31,7 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 _DESCRIPTION = "modelDescription.xml"
 _WARNED: set[tuple[Path, str]] = set()
-_TAGS: Mapping[Interface, str] = {
-    "co_simulation": "CoSimulation",
-    "model_exchange": "ModelExchange",
-}
+_TAGS: dict[Interface, str] = {"co_simulation": "CoSimulation", "model_exchange": "ModelExchange"}
 _SHOWN = 50  # variables that a notebook shows
 _IDENTIFIER = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,199}")
 
@@ -96,29 +93,23 @@ class Fmu(Component):
         state = "state" if self.version == 2 else "State"
         self.serializes = flag(chosen, f"canSerializeFMU{state}")
         self.restores_state = flag(chosen, f"canGetAndSetFMU{state}")
-        self.notes_steps = self.interface == "model_exchange" and (
-            flag(chosen, "needsCompletedIntegratorStep")
-            if self.version == 3
-            else not flag(chosen, "completedIntegratorStepNotNeeded")
-        )
+        unneeded = flag(chosen, "completedIntegratorStepNotNeeded")
+        needed = flag(chosen, "needsCompletedIntegratorStep") if self.version == 3 else not unneeded
+        self.notes_steps = self.interface == "model_exchange" and needed
         self.n_states, self.n_indicators = description.n_states, description.n_indicators
         self.interpolates_inputs = flag(chosen, "canInterpolateInputs")
-        self.varies_step = self.interface == "model_exchange" or flag(
-            chosen, "canHandleVariableCommunicationStepSize"
-        )
+        varies_step = flag(chosen, "canHandleVariableCommunicationStepSize")
+        self.varies_step = self.interface == "model_exchange" or varies_step
         self.binary = self._find_binary()
         self.learned = description.learned
         self.identity = f"{self.interface} of the file with SHA-256 {self.folder.name[:16]}..."
         self.units = description.units
         self.variables = description.variables
         self.aliases = description.aliases
-        self.has_arrays = any(
-            v.dimensions or v.type == "Binary" or v.causality == "structuralParameter"
-            for v in self.variables.values()
-        )
-        self.structural = [
-            v.name for v in self.variables.values() if v.causality == "structuralParameter"
-        ]
+        every = self.variables.values()
+        self.structural = [v.name for v in every if v.causality == "structuralParameter"]
+        has_arrays = any(v.dimensions or v.type == "Binary" for v in every)
+        self.has_arrays = has_arrays or bool(self.structural)
         self.feedthrough = self._read_feedthrough(description)
         self.experiment = description.experiment
         if self.needs_tool:
@@ -170,10 +161,8 @@ class Fmu(Component):
         interfaces = tuple(name for name in get_args(Interface) if _TAGS[name] in present)
         if not interfaces:
             only = ", only Scheduled Execution" if "ScheduledExecution" in present else ""
-            raise FmuError(
-                f"{self.path}: no Co-Simulation or Model Exchange interface{only};"
-                " export the model for Co-Simulation"
-            )
+            what = f"no Co-Simulation or Model Exchange interface{only}"
+            raise FmuError(f"{self.path}: {what}; export the model for Co-Simulation")
         if wanted is not None and wanted not in interfaces:
             raise FmuError(f"{self.path}: no interface {wanted!r}; it has {', '.join(interfaces)}")
         return interfaces, wanted or interfaces[0]
@@ -195,10 +184,8 @@ class Fmu(Component):
         libraries = [p for p in (binaries / place).glob(f"*{platform.suffix}") if p.is_file()]
         if len(libraries) != 1:
             present = sorted(p.name for p in binaries.iterdir()) if binaries.is_dir() else []
-            raise FmuError(
-                f"{self.path}: no binary for this machine: expected"
-                f" binaries/{place}/{binary.name}, the FMU has {', '.join(present) or 'none'}"
-            )
+            what = f"binaries/{place}/{binary.name}, the FMU has {', '.join(present) or 'none'}"
+            raise FmuError(f"{self.path}: no binary for this machine: expected {what}")
         _log.warning(
             "%s: takes %s, the only library of its folder, though its modelIdentifier is %r",
             self.path,

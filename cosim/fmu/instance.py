@@ -183,10 +183,9 @@ def claim(fmu: Component, component: str, simulation: object, system: str) -> No
         for holder, (owner, binaries) in list(_held.items()):
             for name, binary in binaries.items():
                 if binary == fmu.binary and (name, holder) != (component, simulation):
-                    raise SimulationError(
-                        f"{component}: {fmu.label} can be instantiated only once per process, and"
-                        f" {name} of {owner} has it; close that simulation first"
-                    )
+                    what = f"instantiated only once per process, and {name} of {owner} has it"
+                    advice = "close that simulation first"
+                    raise SimulationError(f"{component}: {fmu.label} can be {what}; {advice}")
         _held.setdefault(simulation, (system, {}))[1][component] = fmu.binary
 
 

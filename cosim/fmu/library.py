@@ -118,16 +118,12 @@ class Library:
 
     def _step_calls(self) -> list[int]:
         """Return what the kernel needs; without a reset an FMU can be run, too."""
-        return [
-            0 if name == self.lacks_reset else self.address(name)
-            for name in step_calls(self._version)
-        ]
+        names = step_calls(self._version)
+        return [0 if name == self.lacks_reset else self.address(name) for name in names]
 
     def _lacks(self, name: str) -> FmuError:
-        return FmuError(
-            f"{self._fmu.path}: {self._fmu.binary.name} has no function {name},"
-            " which the standard requires"
-        )
+        what = f"has no function {name}, which the standard requires"
+        return FmuError(f"{self._fmu.path}: {self._fmu.binary.name} {what}")
 
 
 class UnloadedLibrary(Library):

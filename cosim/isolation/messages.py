@@ -315,9 +315,8 @@ def crashed(
     if not any(word in call for word in _UNTIMED):
         when = f" at t = {mark.t:.9g} s" if math.isfinite(mark.t) else " during initialisation"
     printed = f"; it printed: {printed}" if printed else ""
-    return FmuCrashed(
-        f"{present(mark, system, order)} {what}{when}{printed}{'; '.join(['', *denied])}"
-    )
+    said = f"{what}{when}{printed}{'; '.join(['', *denied])}"
+    return FmuCrashed(f"{present(mark, system, order)} {said}")
 
 
 def present(mark: Mark, system: System, order: Sequence[str]) -> str:

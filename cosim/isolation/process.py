@@ -48,8 +48,6 @@ _GRACE = 2.0  # s that a child has to end
 _RUSAGE = 1e6 if sys.platform == "darwin" else 1e6 / 1024  # units of memory to the MB
 _MOST_TOLD = 20  # lines of what the sandbox denied
 _START = Path(__file__).with_name("start.py")
-
-
 _HINTS = {
     **dict.fromkeys(("read", "write", "delete"), " (--allow files=DIR)"),
     "open": " (--allow network)",
@@ -148,14 +146,12 @@ class Process:
         self._answers.send(parcel)
         self._wait(_START_UP, math.inf)
 
-    def _guarded(
-        self, specification: Specification, allow: Permissions, library: Path
-    ) -> Guard | None:
+    def _guarded(self, spec: Specification, allow: Permissions, library: Path) -> Guard | None:
         """Return the guard of the sandbox, None without one."""
         if why := sandbox.unavailable():
             _tell_once(f"FMUs run without a sandbox: {why}")
             return None
-        if specification.compiled:  # the child compiles
+        if spec.compiled:  # the child compiles
             return None
         fmus = [c for c in self._system.components.values() if isinstance(c, Fmu)]
         libraries = [library]
@@ -179,11 +175,8 @@ class Process:
         if not self._guard:
             return []
         tried, self._told = self._guard.tried[self._told : _MOST_TOLD], len(self._guard.tried)
-        hints = {what: _HINTS.get(what.split()[0], "") for _, what in tried}
-        return [
-            f"{where} tried to {what}, which the sandbox denies{hints[what]}"
-            for where, what in tried
-        ]
+        hint = {what: _HINTS.get(what.split()[0], "") for _, what in tried}
+        return [f"{at} tried to {what}, which the sandbox denies{hint[what]}" for at, what in tried]
 
     def ask(
         self,

@@ -193,10 +193,7 @@ class IsolatedSimulation(Simulation):
         return Result(time, values, names, system, *kept, places=layout.places)
 
     def _ask(
-        self,
-        what: str,
-        arguments: Mapping[str, object] = MappingProxyType({}),
-        *how: Any,
+        self, what: str, arguments: Mapping[str, object] = MappingProxyType({}), *how: Any
     ) -> Reply:
         process = self._living()
         process.stands_for = self._state_path

@@ -12,10 +12,8 @@ from types import ModuleType
 
 if __name__ == "__main__":
     folder = Path(__file__).parent.parent
-    for name, place in (
-        ("stickslip.cosim", folder),
-        ("stickslip.cosim.control", folder / "control"),
-    ):
+    places = {"stickslip.cosim": folder, "stickslip.cosim.control": folder / "control"}
+    for name, place in places.items():
         package = ModuleType(name)
         package.__path__ = [str(place)]
         sys.modules[name] = package

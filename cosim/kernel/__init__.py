@@ -2,21 +2,10 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Iterator
 from contextlib import contextmanager
-from ctypes import (
-    CDLL,
-    POINTER,
-    Array,
-    addressof,
-    byref,
-    c_bool,
-    c_char_p,
-    c_int,
-    c_int64,
-    c_uint64,
-    c_void_p,
-)
+from ctypes import CDLL, POINTER, c_bool, c_char_p, c_int, c_int64, c_uint64, c_void_p
 from functools import cache
 from pathlib import Path
 
@@ -81,7 +70,7 @@ def load(steps: str | None = None) -> CDLL:
     path = marked if marked and not steps else built(steps, marked=marked is not None)
     library = CDLL(str(path))
     for mark, _ in _marks:
-        library.mark_in(c_void_p(addressof(mark)))
+        library.mark_in(c_void_p(ctypes.addressof(mark)))
     library.instantiate.argtypes = (POINTER(Component), c_char_p, c_char_p, c_char_p)
     library.instantiate.restype = library.release.restype = library.forget.restype = None
     library.release.argtypes = (POINTER(Component),)
@@ -107,11 +96,11 @@ def note_call(name: str, call: str) -> None:
 def plain_arithmetic() -> Iterator[None]:
     """Give FMUs the usual arithmetic, to nearest and with subnormal numbers; restore ours."""
     library, before = load(), Arithmetic()
-    library.begin_plain_arithmetic(byref(before))
+    library.begin_plain_arithmetic(ctypes.byref(before))
     try:
         yield
     finally:
-        library.end_plain_arithmetic(byref(before))
+        library.end_plain_arithmetic(ctypes.byref(before))
 
 
 _LOWEST, _HIGHEST = -292, 324  # powers of ten that doubles need
@@ -119,7 +108,7 @@ _LONGEST = 25  # characters of a number, with a comma
 
 
 @cache
-def _powers() -> Array[Array[c_uint64]]:
+def _powers() -> ctypes.Array[ctypes.Array[c_uint64]]:
     """Return 128 bits of each power of ten, rounded up."""
     found = ((c_uint64 * 2) * (_HIGHEST - _LOWEST + 1))()
     for k, pair in enumerate(found, _LOWEST):
@@ -204,8 +193,7 @@ def _set_call(i: int, c: Component) -> str:
         terms = [f"now[{offset}]" for offset in c.input_offsets[: c.n_inputs]]
         if c.scales:
             factors, shifts = c.scales[: c.n_inputs], c.scales[c.n_inputs : 2 * c.n_inputs]
-            terms = [
-                f"{a!r} * {term} + {b!r}" for a, term, b in zip(factors, terms, shifts, strict=True)
-            ]
+            scaled = zip(factors, terms, shifts, strict=True)
+            terms = [f"{a!r} * {term} + {b!r}" for a, term, b in scaled]
         values = f"(const double[]){{{', '.join(terms)}}}"
     return f"set(run, c + {i}, {c.version}, in{i}, {c.n_inputs}, {values})"

@@ -64,9 +64,8 @@ static bool step_adaptively(Run *run, const double *inputs, double t, double h) 
         const double proposal = tried_again ? k->h : rescaled(k, error);
         tried_again = false;
         k->inner = last ? fmax(k->inner, proposal) : proposal;
-        if (last) {
+        if (last)
             return true;
-        }
         now = reached;
         keep(run, k->next, now);
     }
@@ -84,9 +83,8 @@ static bool step_coupled(Run *run, double *row, double t, double h) {
         const size_t size = c->n_outputs * sizeof *row;
         memcpy(row + c->column, (reached ? k->next : k->past) + c->column, size);
     }
-    if (stepped) {
+    if (stepped)
         keep(run, row, t + h);
-    }
     return stepped;
 }
 

@@ -52,9 +52,8 @@ static inline bool same_arithmetic(Arithmetic a, Arithmetic b) {
 __attribute__((cold, noinline, unused)) static void make_plain(void) { set_arithmetic(PLAIN); }
 
 static inline void restore_plain(void) {
-    if (__builtin_expect(!same_arithmetic(arithmetic(), PLAIN), 0)) {
+    if (__builtin_expect(!same_arithmetic(arithmetic(), PLAIN), 0))
         make_plain();
-    }
 }
 
 /* Reading the register would take as long as two calls of a small FMU, so in a step four sums are
@@ -79,9 +78,8 @@ static inline unsigned wrong_sums(void) {
 }
 
 static inline void restore_sums(void) {
-    if (__builtin_expect(wrong_sums() != 0, 0)) {
+    if (__builtin_expect(wrong_sums() != 0, 0))
         make_plain();
-    }
 }
 
 static inline Arithmetic begin_plain(void) {
@@ -91,9 +89,8 @@ static inline Arithmetic begin_plain(void) {
 }
 
 static inline void end_plain(const Arithmetic *before) {
-    if (!same_arithmetic(arithmetic(), *before)) {
+    if (!same_arithmetic(arithmetic(), *before))
         set_arithmetic(*before);
-    }
 }
 
 /* Plain until the block is left, then as the caller had it. */

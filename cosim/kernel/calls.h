@@ -21,9 +21,8 @@ __attribute__((cold, noinline, unused)) static bool fail(Run *run, const Compone
     run->call = call;
     run->status = status;
     take_stray(c->log);
-    if (status == fmi2Fatal) { /* nothing may be called on it any more, not even to free it */
+    if (status == fmi2Fatal) /* nothing may be called on it any more, not even to free it */
         run->components[run->failed].instance = NULL;
-    }
     return false;
 }
 
@@ -42,12 +41,10 @@ __attribute__((cold, noinline, unused)) static bool refuse(Run *run, const Compo
 __attribute__((cold, noinline, unused)) static bool accepted(Run *run, const Component *c,
                                                              const char *call, int status) {
     restore_sums();
-    if ((unsigned)status > fmi2Warning) {
+    if ((unsigned)status > fmi2Warning)
         return refuse(run, c, call, status);
-    }
-    if (status == fmi2Warning) {
+    if (status == fmi2Warning)
         note_warning(c->log, call, run->t);
-    }
     return true;
 }
 
@@ -99,9 +96,8 @@ INLINE bool get(Run *run, const Component *c, int version, const uint32_t *refer
 __attribute__((cold, noinline, unused)) static bool went_on(Run *run, const Component *c,
                                                             int status) {
     const Answers *answers = &run->answers;
-    if ((answers->terminate || answers->early) && (unsigned)status <= fmi3Warning) {
+    if ((answers->terminate || answers->early) && (unsigned)status <= fmi3Warning)
         return fail(run, c, "fmi3DoStep", answers->terminate ? TERMINATED : RETURNED_EARLY);
-    }
     return accepted(run, c, "fmi3DoStep", status);
 }
 
@@ -130,12 +126,10 @@ INLINE bool do_step(Run *run, const Component *c, int version) {
 
 __attribute__((noinline, unused)) static const double *gather_any(const Component *c,
                                                                   const double *row) {
-    for (size_t i = 0; i < c->n_inputs; i++) {
+    for (size_t i = 0; i < c->n_inputs; i++)
         c->gathered[i] = row[c->input_offsets[i]];
-    }
-    for (size_t i = 0; c->scales && i < c->n_inputs; i++) {
+    for (size_t i = 0; c->scales && i < c->n_inputs; i++)
         c->gathered[i] = c->scales[i] * c->gathered[i] + c->scales[c->n_inputs + i];
-    }
     return c->gathered;
 }
 

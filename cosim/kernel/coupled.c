@@ -6,9 +6,8 @@
 Polynomial hold(const Run *run, int64_t column, bool fresh, double t, double h, int64_t degree) {
     const Coupling *k = run->coupling;
     const double f0 = k->past[column];
-    if (degree == 0) {
+    if (degree == 0)
         return (Polynomial){{fresh ? k->next[column] : f0}};
-    }
     double s[MAX_DEGREE], slope[MAX_DEGREE] = {0.0}; /* from (0, f0) to the other points */
     int64_t n = 0;
     if (fresh) {
@@ -50,9 +49,8 @@ static double held(Polynomial p, const Link *link, enum Part part, double h) {
 /* In the unit of input i. */
 static Polynomial scaled(Polynomial p, const Component *c, size_t i) {
     if (c->scales) {
-        for (int j = 0; j <= MAX_DEGREE; j++) {
+        for (int j = 0; j <= MAX_DEGREE; j++)
             p.a[j] *= c->scales[i];
-        }
         p.a[0] += c->scales[c->n_inputs + i];
     }
     return p;
@@ -75,17 +73,14 @@ static bool set_held_inputs(Run *run, int64_t index, double t, double h, enum Pa
         const Link *link = &m->links[i];
         const Polynomial p = scaled(followed(run, link, t, h), c, i);
         m->values[i] = m->interpolates ? p.a[0] : held(p, link, part, h);
-        for (size_t j = 0; m->interpolates && j < (size_t)k->degree; j++) {
+        for (size_t j = 0; m->interpolates && j < (size_t)k->degree; j++)
             m->derivatives[j * n + i] = (double)(j + 1) * p.a[j + 1]; /* 1 a1, 2 a2 */
-        }
     }
-    if (n == 0) {
+    if (n == 0)
         return true;
-    }
     TRY(plain(set(run, c, c->version, c->input_references, n, m->values)));
-    if (!m->interpolates) {
+    if (!m->interpolates)
         return true;
-    }
     MARK(c, "fmi2SetRealInputDerivatives");
     return passed(run, c, "fmi2SetRealInputDerivatives",
                   (int)m->set_derivatives(c->instance, m->derivative_references,
@@ -109,9 +104,8 @@ static bool step_member(Run *run, int64_t i, double t, double h, bool final) {
 /* Once through the components of a loop, or the one that is in none. */
 static bool sweep(Run *run, Loop *loop) {
     Coupling *k = run->coupling;
-    if (k->swept && !restore(run, loop->first, loop->end)) {
+    if (k->swept && !restore(run, loop->first, loop->end))
         return false;
-    }
     k->swept = true;
     k->sweeps++;
     for (int64_t i = loop->first; i < loop->end; i++) {
@@ -130,9 +124,8 @@ bool attempt(Run *run, double t, double h) {
     k->steps++;
     for (int64_t i = 0; i < k->n_loops; i++) {
         Loop *loop = &k->loops[i];
-        if (run->done % k->members[loop->first].every) {
+        if (run->done % k->members[loop->first].every)
             continue; /* it has stepped beyond this point already */
-        }
         k->swept = false;
         for (int64_t j = 0; j < loop->n; j++) {
             const int64_t column = loop->columns[j];
@@ -176,11 +169,9 @@ bool begin_coupled(Run *run) {
     k->inner = run->step;
     memcpy(k->next, run->rows, (size_t)run->width * sizeof *k->next);
     keep(run, run->rows, run->start);
-    for (int64_t i = 0; i < k->n_loops; i++) {
+    for (int64_t i = 0; i < k->n_loops; i++)
         k->loops[i].known = false; /* so that a run depends on nothing before it */
-    }
-    for (int64_t i = 0; i < k->n_members; i++) {
+    for (int64_t i = 0; i < k->n_members; i++)
         k->members[i].proven = false;
-    }
     return true;
 }

@@ -38,9 +38,8 @@ static Decimal shortest(uint64_t bits, const uint64_t (*powers)[2]) {
     const int exponent = (int)(bits >> 52 & 2047);
     const uint64_t c = exponent ? fraction | 1ULL << 52 : fraction;
     const int q = (exponent ? exponent : 1) - 1075;
-    if (q <= 0 && q > -53 && (c & ((1ULL << -q) - 1)) == 0) {
+    if (q <= 0 && q > -53 && (c & ((1ULL << -q) - 1)) == 0)
         return (Decimal){c >> -q, 0};
-    }
     const bool closer = fraction == 0 && exponent > 1; /* the next lower double */
     const uint64_t open = c & 1;                       /* the ends round to another double */
     const int k = (q * 1262611 - (closer ? 524031 : 0)) >> 22;
@@ -80,17 +79,14 @@ static char *put(char *to, const char *from, int n) {
 static char *put_number(char *to, double number, const uint64_t (*powers)[2]) {
     uint64_t bits;
     memcpy(&bits, &number, sizeof bits);
-    if (isnan(number)) {
+    if (isnan(number))
         return put(to, "nan", 3);
-    }
     *to = '-';
     to += bits >> 63;
-    if (isinf(number)) {
+    if (isinf(number))
         return put(to, "inf", 3);
-    }
-    if (number == 0.0) {
+    if (number == 0.0)
         return put(to, "0.0", 3);
-    }
     const Decimal d = shortest(bits & ~(1ULL << 63), powers);
     /* With 17 digits, zeros at the end among them, all are where they are written, but for a point.
      */

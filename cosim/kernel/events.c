@@ -39,9 +39,8 @@ static fmi2Status note_ticks(GeneralComponent *f) {
 void forget_ticks(GeneralComponent *f) {
     for (size_t i = 0; f->ticks_read && i < f->outputs.n; i++) {
         const Group *g = &f->outputs.groups[i];
-        for (size_t j = 0; g->clock && j < g->n; j++) {
+        for (size_t j = 0; g->clock && j < g->n; j++)
             ((bool *)g->values)[j] = false;
-        }
     }
     f->ticks_read = 0;
 }
@@ -56,9 +55,8 @@ static fmi2Status ask(GeneralComponent *f, Clock *clock, fmi3IntervalQualifier *
 
 void schedule_ticks(GeneralComponent *f) {
     f->next_tick = INFINITY;
-    for (size_t i = 0; i < f->n_clocks; i++) {
+    for (size_t i = 0; i < f->n_clocks; i++)
         f->next_tick = fmin(f->next_tick, f->clocks[i].next);
-    }
 }
 
 fmi2Status begin_clocks(GeneralComponent *f) {
@@ -68,9 +66,8 @@ fmi2Status begin_clocks(GeneralComponent *f) {
         clock->ticks = 0;
         clock->begin = f->start + clock->shift;
         clock->next = clock->asked == AT_EVENTS ? INFINITY : clock->begin;
-        if (clock->asked == ONCE || clock->asked == AT_TICKS) {
+        if (clock->asked == ONCE || clock->asked == AT_TICKS)
             TRY_STATUS(ask(f, clock, &qualifier));
-        }
     }
     schedule_ticks(f);
     return fmi2OK;
@@ -98,9 +95,8 @@ static fmi2Status after_ticks(GeneralComponent *f) {
         Clock *clock = &f->clocks[i];
         fmi3IntervalQualifier qualifier = fmi3IntervalUnchanged;
         const bool ticked = is_due(f, clock->next, f->time);
-        if (clock->asked == AT_EVENTS || (ticked && clock->asked == AT_TICKS)) {
+        if (clock->asked == AT_EVENTS || (ticked && clock->asked == AT_TICKS))
             TRY_STATUS(ask(f, clock, &qualifier));
-        }
         if (clock->asked == AT_EVENTS) {
             clock->next = ticked ? INFINITY : clock->next;
             clock->next =
@@ -153,13 +149,11 @@ fmi2Status update_discrete_states(GeneralComponent *f) {
         TRY_STATUS(again ? fmi2OK : tick_clocks(f));
         TRY_STATUS(note_ticks(f));
         TRY_STATUS(update_once(f, &again, &terminate));
-        if (terminate) {
+        if (terminate)
             return failed_by(f, UPDATE_DISCRETE_STATES, TERMINATED);
-        }
         TRY_STATUS(again ? fmi2OK : after_ticks(f));
-        if (!again && !is_due(f, f->next_tick, f->time)) {
+        if (!again && !is_due(f, f->next_tick, f->time))
             return fmi2OK;
-        }
     }
     return failed_by(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
 }

@@ -38,11 +38,10 @@ static size_t passed_by(const Course *c, double t) {
     size_t low = 0, high = c->n;
     while (low < high) {
         const size_t middle = low + (high - low) / 2;
-        if (c->t[middle] <= t) {
+        if (c->t[middle] <= t)
             low = middle + 1;
-        } else {
+        else
             high = middle;
-        }
     }
     return low;
 }
@@ -51,27 +50,22 @@ static size_t passed_by(const Course *c, double t) {
  * not: at its time a jump has two values. */
 static double value_of(const Course *c, double t, double passed) {
     size_t i = passed_by(c, c->held ? passed : fmax(t, passed));
-    if (i == 0) {
+    if (i == 0)
         return c->values[0];
-    }
     i--;
     const bool before_jump = !c->held && c->t[i] > passed && i > 0 && c->t[i] == c->t[i - 1];
-    while (before_jump && i > 0 && c->t[i] == c->t[i - 1]) {
+    while (before_jump && i > 0 && c->t[i] == c->t[i - 1])
         i--;
-    }
-    if (c->held || before_jump || i + 1 == c->n) {
+    if (c->held || before_jump || i + 1 == c->n)
         return c->values[i];
-    }
     const double share = (c->t[i + 1] - t) / (c->t[i + 1] - c->t[i]); /* as cosim.Table has it */
     return share * c->values[i] + (1.0 - share) * c->values[i + 1];
 }
 
 static double next_jump(const Course *c, double passed) {
-    for (size_t i = passed_by(c, passed); i < c->n; i++) {
-        if (i > 0 && (c->t[i] == c->t[i - 1] || (c->held && c->values[i] != c->values[i - 1]))) {
+    for (size_t i = passed_by(c, passed); i < c->n; i++)
+        if (i > 0 && (c->t[i] == c->t[i - 1] || (c->held && c->values[i] != c->values[i - 1])))
             return c->t[i];
-        }
-    }
     return INFINITY;
 }
 
@@ -81,12 +75,10 @@ static double next_jump(const Course *c, double passed) {
 static double input_at(const GeneralComponent *f, size_t i, double t) {
     const Integrator *in = f->integrator;
     const double s = t - in->begin;
-    if (f->courses[i].n) {
+    if (f->courses[i].n)
         return value_of(&f->courses[i], t, f->passed);
-    }
-    if (f->follows) {
+    if (f->follows)
         return f->after[i] + s * (f->rates[i] + s / 2.0 * f->rates[f->n_inputs + i]);
-    }
     const double share = f->input_ports[i].ahead ? fmin(1.0, s / (in->end - in->begin)) : 1.0;
     return (1.0 - share) * f->before[i] + share * f->after[i];
 }
@@ -95,15 +87,12 @@ static fmi2Status set_moving_inputs(GeneralComponent *f, double t) {
     for (size_t i = 0; i < f->n_inputs; i++) {
         const Port *port = &f->input_ports[i];
         const Group *group = &f->inputs.groups[port->group];
-        if (!group->discrete) {
+        if (!group->discrete)
             store(group, port->place, input_at(f, i, t));
-        }
     }
-    for (size_t i = 0; i < f->inputs.n; i++) {
-        if (!f->inputs.groups[i].discrete) {
+    for (size_t i = 0; i < f->inputs.n; i++)
+        if (!f->inputs.groups[i].discrete)
             TRY_STATUS(transfer(f, &f->inputs.groups[i]));
-        }
-    }
     return fmi2OK;
 }
 
@@ -129,18 +118,16 @@ static int derivatives(double t, void *states, void *rates, void *component) {
     double *dx = cvode->N_VGetArrayPointer_Serial(rates);
     dx[0] = 0.0;
     fmi2Status status = set_point(f, f->start + t, cvode->N_VGetArrayPointer_Serial(states));
-    if (OK(status) && f->n_states) {
+    if (OK(status) && f->n_states)
         status = exchange(f, GET_DERIVATIVES, dx, f->n_states);
-    }
     return answer(f, status);
 }
 
 static int indicators(double t, void *states, double *z, void *component) {
     GeneralComponent *f = component;
     fmi2Status status = set_point(f, f->start + t, f->cvode->N_VGetArrayPointer_Serial(states));
-    if (OK(status)) {
+    if (OK(status))
         status = exchange(f, GET_INDICATORS, z, f->n_indicators);
-    }
     return answer(f, status);
 }
 
@@ -156,9 +143,8 @@ static void store_message(int line, const char *function, const char *file, cons
 
 static fmi2Status solver_failed(GeneralComponent *f) {
     const fmi2Status status = f->integrator->status;
-    if (status > fmi2Discard) {
+    if (status > fmi2Discard)
         return status; /* the FMU is to blame; f->called says where */
-    }
     if (status == fmi2Discard) {
         f->called = f->integrator->discarded;
         return status;
@@ -192,17 +178,15 @@ fmi2Status restart_exchange(GeneralComponent *f) {
 
 static fmi2Status count(GeneralComponent *f, enum Call place, size_t *n) {
     AnyCall *call = calling(f, place);
-    if (f->version == 2) {
+    if (f->version == 2)
         return fmi2OK; /* the description says */
-    }
     return checked(f, place, ((int (*)(void *, size_t *))call)(f->instance, n));
 }
 
 void seek_jump(GeneralComponent *f) {
     f->next_jump = INFINITY;
-    for (size_t i = 0; i < f->n_inputs; i++) {
+    for (size_t i = 0; i < f->n_inputs; i++)
         f->next_jump = fmin(f->next_jump, next_jump(&f->courses[i], f->passed));
-    }
 }
 
 /* All jumps up to the present time are made. */
@@ -218,9 +202,8 @@ fmi2Status begin_exchange(GeneralComponent *f) {
     Integrator *in = f->integrator = calloc(1, sizeof *in);
     TRY_STATUS(count(f, COUNT_STATES, &f->n_states));
     TRY_STATUS(count(f, COUNT_INDICATORS, &f->n_indicators));
-    if (!in || cvode->SUNContext_Create(0, &in->context)) {
+    if (!in || cvode->SUNContext_Create(0, &in->context))
         return solver_failed(f);
-    }
     if (f->n_states > MOST_STATES || f->n_indicators > MOST_STATES) {
         return failed_by(f, f->n_states > MOST_STATES ? COUNT_STATES : COUNT_INDICATORS,
                          OUT_OF_MEMORY);
@@ -231,9 +214,8 @@ fmi2Status begin_exchange(GeneralComponent *f) {
     cvode->SUNContext_PushErrHandler(in->context, store_message, f);
     in->states = cvode->N_VNew_Serial((int64_t)in->n, in->context);
     in->tolerances = cvode->N_VNew_Serial((int64_t)in->n, in->context);
-    if (!in->states || !in->tolerances) {
+    if (!in->states || !in->tolerances)
         return failed_by(f, GET_STATES, OUT_OF_MEMORY);
-    }
     in->x = cvode->N_VGetArrayPointer_Serial(in->states);
     in->atol = cvode->N_VGetArrayPointer_Serial(in->tolerances);
     TRY_STATUS(read_states(f));
@@ -255,9 +237,8 @@ fmi2Status begin_exchange(GeneralComponent *f) {
 void end_exchange(GeneralComponent *f) {
     Integrator *in = f->integrator;
     const Cvode *cvode = f->cvode;
-    if (!in) {
+    if (!in)
         return;
-    }
     cvode->CVodeFree(&in->memory); /* as all of these, it takes NULL */
     cvode->SUNLinSolFree(in->solver);
     cvode->SUNMatDestroy(in->matrix);
@@ -272,9 +253,8 @@ static fmi2Status completed_step(GeneralComponent *f, bool *event) {
     AnyCall *call = calling(f, COMPLETED_STEP);
     bool enter = false, terminate = false;
     int status = fmi2OK;
-    if (!f->notes_steps) {
+    if (!f->notes_steps)
         return fmi2OK;
-    }
     if (f->version == 2) {
         fmi2Boolean enter2 = fmi2False, terminate2 = fmi2False;
         status = (int)((fmi2CompletedIntegratorStepTYPE *)call)(f->instance, fmi2True, &enter2,
@@ -309,14 +289,12 @@ static fmi2Status integrate(GeneralComponent *f, double target, bool *event) {
         return there ? fmi2OK : completed_step(f, event);
     }
     in->status = fmi2OK;
-    if (set_stop(f, target)) {
+    if (set_stop(f, target))
         return solver_failed(f);
-    }
     double reached = 0.0;
     const int flag = f->cvode->CVode(in->memory, end, in->states, &reached, CV_NORMAL);
-    if (flag < 0) {
+    if (flag < 0)
         return solver_failed(f);
-    }
     f->time = reached == end ? target : f->start + reached;
     *event = flag == CV_ROOT_RETURN;
     TRY_STATUS(set_point(f, f->time, in->x));
@@ -341,41 +319,35 @@ static fmi2Status take_inputs(GeneralComponent *f, bool at_end) {
     for (size_t i = 0; i < f->n_inputs; i++) {
         const Port *port = &f->input_ports[i];
         const Group *group = &f->inputs.groups[port->group];
-        if (f->courses[i].n || (group->discrete && (port->ahead != 0) != at_end)) {
+        if (f->courses[i].n || (group->discrete && (port->ahead != 0) != at_end))
             continue;
-        }
         const double value =
             group->discrete ? f->after[i] : input_at(f, i, at_end ? in->end : in->begin);
         event = event || is_event(group, f->before[i], value);
         leap = leap || (!group->discrete && !at_end && leaps(f, i, value));
-        if (group->discrete || at_end) {
+        if (group->discrete || at_end)
             f->before[i] = value;
-        }
         store(group, port->place, value);
     }
-    if (event) {
+    if (event)
         TRY_STATUS(handle_event(f, true));
-    } else if (leap) {
+    else if (leap)
         TRY_STATUS(set_moving_inputs(f, f->time));
-    }
     return event || leap ? restart_exchange(f) : fmi2OK;
 }
 
 static bool moves(const GeneralComponent *f, size_t i) {
-    if (f->courses[i].n) {
+    if (f->courses[i].n)
         return !f->courses[i].held;
-    }
     const bool changes = f->before[i] != f->after[i];
     return f->follows ? changes || f->rates[i] != 0.0 || f->rates[f->n_inputs + i] != 0.0
                       : f->input_ports[i].ahead && changes;
 }
 
 static bool inputs_move(const GeneralComponent *f) {
-    for (size_t i = 0; i < f->n_inputs; i++) {
-        if (!f->inputs.groups[f->input_ports[i].group].discrete && moves(f, i)) {
+    for (size_t i = 0; i < f->n_inputs; i++)
+        if (!f->inputs.groups[f->input_ports[i].group].discrete && moves(f, i))
             return true;
-        }
-    }
     return false;
 }
 
@@ -401,9 +373,8 @@ fmi2Status step_exchange(GeneralComponent *f, double t, double h) {
     for (int i = 0; f->time < in->end; i++) {
         const double next = fmin(fmin(f->next_event, f->next_tick), f->next_jump);
         bool event = false;
-        if (i == MAX_EVENTS) {
+        if (i == MAX_EVENTS)
             return failed_by(f, UPDATE_DISCRETE_STATES, TOO_MANY_EVENTS);
-        }
         TRY_STATUS(
             integrate(f, next < in->end && !is_due(f, in->end, next) ? next : in->end, &event));
         const bool jumps = is_due(f, f->next_jump, f->time);

@@ -15,17 +15,15 @@ AnyCall *calling(const GeneralComponent *f, enum Call place) {
 /* A warning is checked here and OK for the kernel. */
 fmi2Status noted(GeneralComponent *f, const char *call, int status) {
     restore_sums();
-    if (status == fmi2OK) {
+    if (status == fmi2OK)
         return fmi2OK;
-    }
     if (status == fmi2Warning) {
         note_warning(&f->log, call, f->time);
         return fmi2OK;
     }
     f->called = call;
-    if (status == fmi2Fatal) {
+    if (status == fmi2Fatal)
         f->instance = NULL;
-    }
     if ((unsigned)status > (f->version == 2 ? (unsigned)fmi2Pending : (unsigned)fmi3Fatal)) {
         f->log.unknown = status;
         f->log.reason = status = UNKNOWN_STATUS;

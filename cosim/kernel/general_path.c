@@ -29,13 +29,11 @@ fmi2Component general_Instantiate(fmi2String name, fmi2Type type, fmi2String tok
 void general_FreeInstance(fmi2Component c) {
     GeneralComponent *f = c;
     end_exchange(f);
-    if (f->instance && f->begun) {
+    if (f->instance && f->begun)
         ((StateCall *)calling(f, FREE_STATE))(f->instance, &f->begun);
-    }
     f->begun = NULL;
-    if (f->instance) {
+    if (f->instance)
         ((void (*)(void *))calling(f, FREE_INSTANCE))(f->instance);
-    }
     f->instance = NULL;
 }
 
@@ -54,9 +52,8 @@ fmi2Status general_SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, f
     f->next_event = f->next_tick = INFINITY;
     f->running = 0;
     f->called = NULL;
-    if (f->version == 3) {
+    if (f->version == 3)
         return fmi2OK;
-    }
     AnyCall *call = calling(f, SETUP_EXPERIMENT);
     return checked(f, SETUP_EXPERIMENT,
                    (int)((fmi2SetupExperimentTYPE *)call)(f->instance, has_tolerance, tolerance,
@@ -92,9 +89,8 @@ fmi2Status general_ExitInitializationMode(fmi2Component c) {
         TRY_STATUS(update_discrete_states(f));
         TRY_STATUS(simple_call(f, f->model_exchange ? ENTER_CONTINUOUS_TIME : ENTER_STEP_MODE));
     }
-    if (f->model_exchange) {
+    if (f->model_exchange)
         TRY_STATUS(begin_exchange(f));
-    }
     f->running = 1;
     return fmi2OK;
 }
@@ -107,9 +103,8 @@ fmi2Status general_SetReal(fmi2Component c, const fmi2ValueReference r[], size_t
                            const fmi2Real values[]) {
     GeneralComponent *f = c;
     const bool event = take_values(f, r, n, values);
-    if (f->running && f->model_exchange) {
+    if (f->running && f->model_exchange)
         return fmi2OK;
-    }
     return f->running && f->event_mode && event ? handle_event(f, true) : set_taken(f);
 }
 
@@ -117,9 +112,8 @@ fmi2Status general_SetReal(fmi2Component c, const fmi2ValueReference r[], size_t
 fmi2Status general_SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
                                            const fmi2Integer orders[], const fmi2Real values[]) {
     GeneralComponent *f = c;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         f->rates[(size_t)(orders[i] - 1) * f->n_inputs + r[i]] = values[i];
-    }
     return fmi2OK;
 }
 
@@ -135,9 +129,8 @@ fmi2Status general_tune(fmi2Component c, const fmi2ValueReference references[], 
                         const void *group) {
     GeneralComponent *f = c;
     (void)references, (void)n;
-    if (!(f->event_mode || f->model_exchange)) {
+    if (!(f->event_mode || f->model_exchange))
         return transfer(f, group);
-    }
     TRY_STATUS(simple_call(f, ENTER_EVENT_MODE));
     TRY_STATUS(transfer(f, group));
     TRY_STATUS(update_discrete_states(f));
@@ -161,23 +154,18 @@ static fmi2Status step_fmi3(GeneralComponent *f, double t, double h) {
         TRY_STATUS(step_once(f, t, h));
         const Answers *answers = &f->answers;
         const double reached = answers->last_successful_time;
-        if (answers->early && !(reached >= t && reached <= end + f->near)) {
+        if (answers->early && !(reached >= t && reached <= end + f->near))
             return failed_by(f, DO_STEP, NO_SUCH_TIME);
-        }
         const bool whole = !answers->early || end - reached <= rounding_of(end);
         f->time = whole ? end : reached;
-        if (answers->terminate) {
+        if (answers->terminate)
             return failed_by(f, DO_STEP, TERMINATED);
-        }
-        if (answers->early && !f->event_mode) {
+        if (answers->early && !f->event_mode)
             return failed_by(f, DO_STEP, RETURNED_EARLY);
-        }
-        if (f->event_mode && (answers->event_handling_needed || is_due(f, f->next_tick, f->time))) {
+        if (f->event_mode && (answers->event_handling_needed || is_due(f, f->next_tick, f->time)))
             TRY_STATUS(handle_event(f, false));
-        }
-        if (whole && !ticks) {
+        if (whole && !ticks)
             return fmi2OK;
-        }
         t = f->time;
         h = last - t;
     }
@@ -188,8 +176,7 @@ fmi2Status general_DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean n
     GeneralComponent *f = c;
     (void)no_return;
     forget_ticks(f);
-    if (f->model_exchange) {
+    if (f->model_exchange)
         return step_exchange(f, t, h);
-    }
     return (f->version == 2 ? step_fmi2(f, t, h) : step_fmi3(f, t, h));
 }

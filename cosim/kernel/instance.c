@@ -18,27 +18,24 @@ static void *register_log(Log *log) {
     for (size_t tries = 0; tries < MOST_LOGS; tries++) {
         _Atomic(Log *) *place = &logs[atomic_fetch_add(&next, 1) % MOST_LOGS];
         Log *free_place = NULL;
-        if (atomic_compare_exchange_strong(place, &free_place, log)) {
+        if (atomic_compare_exchange_strong(place, &free_place, log))
             return place;
-        }
     }
     return NULL; /* its messages are taken for strays */
 }
 
 static void unregister_log(Log *log) {
     _Atomic(Log *) *place = log->callbacks.componentEnvironment;
-    if (place) {
+    if (place)
         atomic_store(place, NULL);
-    }
     log->callbacks.componentEnvironment = NULL;
 }
 
 /* NULL where it is not a place in the table, or belongs to an instance that is freed. */
 static Log *registered(const void *environment) {
     const uintptr_t offset = (uintptr_t)environment - (uintptr_t)logs;
-    if (offset >= sizeof logs || offset % sizeof *logs != 0) {
+    if (offset >= sizeof logs || offset % sizeof *logs != 0)
         return NULL;
-    }
     return atomic_load(&logs[offset / sizeof *logs]);
 }
 
@@ -64,9 +61,8 @@ static bool is_due(void) { return !stray.clock || *stray.clock == stray.t; }
 
 static Log *log_of(const void *environment) {
     Log *log = registered(environment);
-    if (log) {
+    if (log)
         return log;
-    }
     if (!is_due()) {
         forget_stray();
         stray.t = *stray.clock;
@@ -84,9 +80,8 @@ static void note_last(Log *log, const char *message) {
 
 void take_stray(Log *log) {
     const int64_t n = stray.log.n_last;
-    for (int64_t i = n > N_LAST ? n - N_LAST : 0; is_due() && i < n; i++) {
+    for (int64_t i = n > N_LAST ? n - N_LAST : 0; is_due() && i < n; i++)
         note_last(log, last_of(&stray.log, i));
-    }
     if (stray.log.severity > log->severity && is_due()) {
         log->severity = stray.log.severity;
         memcpy(log->message, stray.log.message, sizeof log->message);
@@ -97,27 +92,24 @@ void take_stray(Log *log) {
 static bool more_severe(Log *log, int status) {
     status = (unsigned)status > fmi2Pending ? fmi2Pending
                                             : status; /* an unknown status is as severe as any */
-    if (status <= log->severity) {
+    if (status <= log->severity)
         return false;
-    }
     log->severity = status;
     return true;
 }
 
 static void keep_message(Log *log, int status, const char *message) {
     note_last(log, message);
-    if (more_severe(log, status)) {
+    if (more_severe(log, status))
         snprintf(log->message, sizeof log->message, "%s", message);
-    }
 }
 
 /* Whether a format has a %n, which no message needs: it writes into memory. */
 static bool writes(const char *format) {
     for (const char *p = format; (p = strchr(p, '%')); p += *p != '\0') {
         p += 1 + strspn(p + 1, "#0- +\'*.123456789$hlLqjzt");
-        if (*p == 'n') {
+        if (*p == 'n')
             return true;
-        }
     }
     return false;
 }
@@ -142,9 +134,8 @@ void log_fmi3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String
               fmi3String message) {
     Log *log = log_of(environment);
     (void)category;
-    if (message) {
+    if (message)
         keep_message(log, (int)status, message);
-    }
 }
 
 void clear_log(Log *log) {
@@ -159,9 +150,8 @@ void note_warning(Log *log, const char *call, double t) {
     if (log->warnings++ == 0) {
         log->warned = call;
         log->warned_at = t;
-        if (log->severity <= fmi2Warning) {
+        if (log->severity <= fmi2Warning)
             memcpy(log->warning, log->message, sizeof log->warning);
-        }
     }
 }
 
@@ -172,9 +162,8 @@ void instantiate(Component *c, const char *name, const char *token, const char *
     c->used = 0;
     clear_log(log);
     void *environment = log->callbacks.componentEnvironment;
-    if (!environment) {
+    if (!environment)
         environment = register_log(log);
-    }
     log->callbacks = (fmi2CallbackFunctions){log_fmi2, calloc, free, NULL, environment};
     if (c->version == 2) {
         MARK(c, "fmi2Instantiate");
@@ -201,7 +190,6 @@ void release(Component *c) {
         }
     }
     c->instance = NULL;
-    if (c->log) {
+    if (c->log)
         unregister_log(c->log);
-    }
 }

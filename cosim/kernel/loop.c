@@ -15,20 +15,17 @@ static void swap_rows(int64_t n, double *a, double *b) {
 
 /* Gauss and Jordan with the greatest pivot of each column; destroys the matrix. */
 static bool invert(int64_t n, double *matrix, double *inverse) {
-    for (int64_t i = 0; i < n * n; i++) {
+    for (int64_t i = 0; i < n * n; i++)
         inverse[i] = i % (n + 1) == 0;
-    }
     for (int64_t k = 0; k < n; k++) {
         int64_t p = k;
-        for (int64_t i = k + 1; i < n; i++) {
+        for (int64_t i = k + 1; i < n; i++)
             p = fabs(matrix[i * n + k]) > fabs(matrix[p * n + k]) ? i : p;
-        }
         swap_rows(n, matrix + k * n, matrix + p * n);
         swap_rows(n, inverse + k * n, inverse + p * n);
         const double pivot = matrix[k * n + k];
-        if (!(fabs(pivot) > 0.0)) {
+        if (!(fabs(pivot) > 0.0))
             return false;
-        }
         for (int64_t j = 0; j < n; j++) {
             matrix[k * n + j] /= pivot;
             inverse[k * n + j] /= pivot;
@@ -50,24 +47,20 @@ static void update_inverse(int64_t n, double *inverse, const double *dw, const d
     double *row = work, *error = work + n, scale = 0.0, length = 0.0;
     for (int64_t j = 0; j < n; j++) {
         row[j] = 0.0;
-        for (int64_t i = 0; i < n; i++) {
+        for (int64_t i = 0; i < n; i++)
             row[j] += dw[i] * inverse[i * n + j];
-        }
         scale += row[j] * dr[j];
         length += dw[j] * dw[j];
     }
-    if (!(fabs(scale) > 1e-6 * length)) {
+    if (!(fabs(scale) > 1e-6 * length))
         return; /* it would make the inverse singular */
-    }
     for (int64_t i = 0; i < n; i++) {
         error[i] = dw[i];
-        for (int64_t j = 0; j < n; j++) {
+        for (int64_t j = 0; j < n; j++)
             error[i] -= inverse[i * n + j] * dr[j];
-        }
     }
-    for (int64_t i = 0; i < n * n; i++) {
+    for (int64_t i = 0; i < n * n; i++)
         inverse[i] += error[i / n] * row[i % n] / scale;
-    }
 }
 
 /* Views into Loop.work. The first n * n are the Jacobian. */
@@ -88,13 +81,11 @@ static double size(const Loop *loop, int64_t i, double w) {
 /* r = G(w) - w. The FMUs then are where w led them. */
 static bool evaluate(Run *run, Loop *loop, double *values, Sweep *sweep, const double *w,
                      double *r) {
-    for (int64_t i = 0; i < loop->n; i++) {
+    for (int64_t i = 0; i < loop->n; i++)
         values[loop->columns[i]] = w[i];
-    }
     TRY(sweep(run, loop));
-    for (int64_t i = 0; i < loop->n; i++) {
+    for (int64_t i = 0; i < loop->n; i++)
         r[i] = values[loop->columns[i]] - w[i];
-    }
     return true;
 }
 
@@ -108,9 +99,8 @@ static bool differentiate(Run *run, Loop *loop, double *values, Sweep *sweep) {
         const double delta = x.w[j] - w;
         TRY(evaluate(run, loop, values, sweep, x.w, x.dr));
         x.w[j] = w;
-        for (int64_t i = 0; i < n; i++) {
+        for (int64_t i = 0; i < n; i++)
             loop->work[i * n + j] = (x.dr[i] - x.r[i]) / delta;
-        }
     }
     loop->known = invert(n, loop->work, loop->inverse);
     return true;
@@ -132,9 +122,8 @@ static bool newton_step(Loop *loop) {
     double worst = -1.0;
     for (int64_t i = 0; i < n; i++) {
         x.dw[i] = 0.0;
-        for (int64_t j = 0; j < n; j++) {
+        for (int64_t j = 0; j < n; j++)
             x.dw[i] -= loop->inverse[i * n + j] * x.r[j];
-        }
         const double share = fabs(x.dw[i]) / size(loop, i, x.w[i]);
         if (share > worst) {
             worst = share;
@@ -153,9 +142,8 @@ static bool contracts(const Loop *loop, double share) {
     double level = 0.0, before = 0.0;
     for (int64_t i = 0; i < n; i++) {
         double correction = 0.0;
-        for (int64_t j = 0; j < n; j++) {
+        for (int64_t j = 0; j < n; j++)
             correction += loop->inverse[i * n + j] * x.r[j];
-        }
         const double scale = size(loop, i, x.w[i] - share * x.dw[i]);
         const double length = fabs(correction) / scale;
         level = length <= level ? level : length;
@@ -178,9 +166,8 @@ static bool take_step(Run *run, Loop *loop, double *values, Sweep *sweep, bool k
     TRY(evaluate(run, loop, values, sweep, x.w, x.r));
     while (share > LEAST && !contracts(loop, share) && !(kept && isfinite(norm(loop, x.r, x.w)))) {
         share /= 2.0;
-        for (int64_t i = 0; i < n; i++) {
+        for (int64_t i = 0; i < n; i++)
             x.w[i] -= share * x.dw[i];
-        }
         TRY(evaluate(run, loop, values, sweep, x.w, x.r));
     }
     for (int64_t i = 0; i < n; i++) {
@@ -199,20 +186,17 @@ static bool unsolved(Run *run, Loop *loop) {
 bool solve(Run *run, Loop *loop, double *values, Sweep *sweep) {
     const Work x = view(loop);
     const int64_t n = loop->n;
-    for (int64_t i = 0; i < n; i++) {
+    for (int64_t i = 0; i < n; i++)
         x.w[i] = values[loop->columns[i]];
-    }
     TRY(evaluate(run, loop, values, sweep, x.w, x.r));
     double error = norm(loop, x.r, x.w);
     bool falling = true;
     for (int64_t k = 0; error > 0.0; k++) {
-        if (!isfinite(error)) {
+        if (!isfinite(error))
             return true; /* whoever looks at the row finds the value that is not, and blames it */
-        }
         const bool known = loop->known;
-        if (!known && !differentiate(run, loop, values, sweep)) {
+        if (!known && !differentiate(run, loop, values, sweep))
             return false;
-        }
         if (!loop->known) {
             loop->worst = 0;
             loop->change = x.r[0];
@@ -222,9 +206,8 @@ bool solve(Run *run, Loop *loop, double *values, Sweep *sweep) {
             /* w is found, and G(w) as near as rounding lets it come. */
             return known || evaluate(run, loop, values, sweep, x.w, x.r);
         }
-        if (k == loop->max_iterations) {
+        if (k == loop->max_iterations)
             return unsolved(run, loop);
-        }
         bool whole;
         TRY(take_step(run, loop, values, sweep, known, &whole));
         update_inverse(n, loop->inverse, x.dw, x.dr, x.room);

@@ -33,9 +33,8 @@ static bool get_initial(Run *run, const Component *c) {
  * all agree. */
 static bool sweep(Run *run, Loop *loop) {
     double *next = run->rows + run->width;
-    for (int64_t j = 0; j < loop->n; j++) {
+    for (int64_t j = 0; j < loop->n; j++)
         next[loop->columns[j]] = run->rows[loop->columns[j]];
-    }
     for (int64_t i = loop->first; i < loop->end; i++) {
         const Component *c = &run->components[i];
         TRY(set_inputs(run, c, run->rows) && get_initial(run, c));
@@ -74,15 +73,12 @@ static bool looks_finite(const double *values, int64_t n) {
     typedef double Pair __attribute__((vector_size(16), aligned(8), may_alias));
     Pair sums[4] = {{0.0}};
     int64_t i = 0;
-    for (; i + 7 < n; i += 8) {
-        for (int64_t j = 0; j < 4; j++) {
+    for (; i + 7 < n; i += 8)
+        for (int64_t j = 0; j < 4; j++)
             sums[j] += *(const Pair *)(values + i + 2 * j);
-        }
-    }
     double sum = 0.0;
-    for (; i < n; i++) {
+    for (; i < n; i++)
         sum += values[i];
-    }
     const Pair all = sums[0] + sums[1] + sums[2] + sums[3];
     return isfinite(sum + all[0] + all[1]);
 }
@@ -106,15 +102,12 @@ static bool all_finite(Run *run, int64_t n, const Component *end) {
 static bool trace_back(Run *run, int64_t first) {
     const int64_t last = run->done;
     const Component *failed = run->components + run->failed;
-    if (run->allows_nan) {
+    if (run->allows_nan)
         return false;
-    }
-    for (int64_t n = first; n <= last; n++) {
+    for (int64_t n = first; n <= last; n++)
         TRY(all_finite(run, n, run->components + run->n_components));
-    }
-    if (!run->jacobi) {
+    if (!run->jacobi)
         all_finite(run, last + 1, failed);
-    }
     return false;
 }
 
@@ -124,9 +117,8 @@ static void note_moved(Run *run, int64_t first, int64_t last) {
     for (int64_t i = 0; run->moved && i < run->n_components; i++) {
         const Component *c = &run->components[i];
         const size_t size = c->n_outputs * sizeof(double);
-        for (int64_t n = first; n <= last && !run->moved[i] && size; n++) {
+        for (int64_t n = first; n <= last && !run->moved[i] && size; n++)
             run->moved[i] = memcmp(row_of(run, n) + c->column, run->began + c->column, size) != 0;
-        }
     }
 }
 
@@ -140,9 +132,8 @@ static void record_range(Run *run, const double *row, int64_t stride, int64_t n)
         for (int64_t k = 0; k < n; k++, value += stride) {
             low = *value < low ? *value : low;
             high = *value > high ? *value : high;
-            if (UNLIKELY(isnan(*value))) {
+            if (UNLIKELY(isnan(*value)))
                 low = high = *value;
-            }
             end[i] = *value;
         }
         least[i] = low;
@@ -155,9 +146,8 @@ static void record_range(Run *run, const double *row, int64_t stride, int64_t n)
 static void record_rows(Run *run, int64_t first, int64_t last) {
     const int64_t begin = (first + run->every - 1) / run->every, end = last / run->every + 1;
     const int64_t stride = run->every * run->width;
-    if (!run->record || begin >= end) {
+    if (!run->record || begin >= end)
         return;
-    }
     if (run->ranged >= 0) {
         record_range(run, row_of(run, begin * run->every), stride, end - begin);
         return;
@@ -178,9 +168,8 @@ static bool close_rows(Run *run) {
     const int64_t first = run->closed + 1, last = run->done;
     if (!run->allows_nan &&
         UNLIKELY(!looks_finite(row_of(run, first), (last - first + 1) * run->width))) {
-        for (int64_t n = first; n <= last; n++) {
+        for (int64_t n = first; n <= last; n++)
             TRY(all_finite(run, n, run->components + run->n_components));
-        }
     }
     record_rows(run, first, last);
     note_moved(run, first, last);
@@ -213,9 +202,8 @@ static bool step_block(Run *run, int64_t end) {
 static bool tune(Run *run) {
     for (; run->next_change < run->n_changes; run->next_change++) {
         const Change *change = &run->changes[run->next_change];
-        if (change->step > run->done) {
+        if (change->step > run->done)
             break;
-        }
         const Component *c = &run->components[change->component];
         TRY(change->step < run->done || set_values(run, c, &change->setting));
     }
@@ -223,9 +211,8 @@ static bool tune(Run *run) {
 }
 
 static int64_t end_before_change(const Run *run, int64_t end) {
-    if (run->next_change == run->n_changes) {
+    if (run->next_change == run->n_changes)
         return end;
-    }
     const int64_t step = run->changes[run->next_change].step;
     return step < end ? step : end;
 }
@@ -236,19 +223,15 @@ static enum Outcome go_on(Run *run) {
         run->closed = -1;
         run->t = run->start;
         run->answers = (Answers){false, false, false, run->start};
-        if (!initialise(run)) {
+        if (!initialise(run))
             return FAILED;
-        }
         run->done = 0;
-        if (run->began) {
+        if (run->began)
             memcpy(run->began, run->rows, (size_t)run->width * sizeof *run->began);
-        }
-        if (!close_rows(run)) {
+        if (!close_rows(run))
             return FAILED;
-        }
-        if (run->coupling && !begin_coupled(run)) {
+        if (run->coupling && !begin_coupled(run))
             return FAILED;
-        }
     }
     run->event = 0;
     seek_event(run, run->done);
@@ -256,21 +239,17 @@ static enum Outcome go_on(Run *run) {
     while (run->done < run->halt) {
         const int64_t left = run->halt - run->done;
         const int64_t end = run->done + (left < run->block ? left : run->block);
-        if (!tune(run) || !step_block(run, end_before_change(run, end))) {
+        if (!tune(run) || !step_block(run, end_before_change(run, end)))
             return FAILED;
-        }
-        if (time(NULL) != second) {
+        if (time(NULL) != second)
             return PAUSED;
-        }
     }
-    if (run->done < run->n_steps) {
+    if (run->done < run->n_steps)
         return HALTED;
-    }
     MARK_TIME(run->stop);
     FOR_EACH_COMPONENT(c) {
-        if (!terminate(run, c)) {
+        if (!terminate(run, c))
             return FAILED;
-        }
     }
     return FINISHED;
 }

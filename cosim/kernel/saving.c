@@ -28,9 +28,8 @@ static fmi2Status set_state(GeneralComponent *f, void *state) {
 static int do_step(GeneralComponent *f, double t, double h) {
     AnyCall *call = calling(f, DO_STEP);
     Answers *answers = &f->answers;
-    if (f->version == 2) {
+    if (f->version == 2)
         return (int)((fmi2DoStepTYPE *)call)(f->instance, t, h, !f->retries_steps);
-    }
     *answers = (Answers){false, false, false, t + h};
     return (int)((fmi3DoStepTYPE *)call)(f->instance, t, h, !f->retries_steps,
                                          &answers->event_handling_needed, &answers->terminate,
@@ -39,9 +38,8 @@ static int do_step(GeneralComponent *f, double t, double h) {
 
 /* A step that is discarded, where this is enabled, is taken back and tried in parts. */
 fmi2Status step_once(GeneralComponent *f, double t, double h) {
-    if (!f->retries_steps) {
+    if (!f->retries_steps)
         return checked(f, DO_STEP, do_step(f, t, h));
-    }
     for (int done = 0, parts = 1; done < parts;) {
         const double from = t + h * done / parts, to = t + h * (done + 1) / parts;
         TRY_STATUS(get_state(f, &f->begun));
@@ -67,12 +65,10 @@ fmi2Status step_once(GeneralComponent *f, double t, double h) {
 fmi2Status general_GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
     GeneralComponent *f = c;
     Saved *saved = *state;
-    if (!saved) {
+    if (!saved)
         saved = *state = calloc(1, sizeof *saved + 2 * inputs_size(f) + clocks_size(f));
-    }
-    if (!saved) {
+    if (!saved)
         return failed_by(f, GET_STATE, OUT_OF_MEMORY);
-    }
     saved->time = f->time;
     saved->next_event = f->next_event;
     saved->passed = f->passed;
@@ -99,9 +95,8 @@ fmi2Status general_SetFMUstate(fmi2Component c, fmi2FMUstate state) {
 fmi2Status general_go_on(GeneralComponent *f) {
     PLAIN_HERE;
     schedule_ticks(f);
-    if (!f->integrator) {
+    if (!f->integrator)
         return fmi2OK;
-    }
     seek_jump(f);
     return restart_exchange(f);
 }

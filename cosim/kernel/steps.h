@@ -25,18 +25,15 @@ INLINE bool step_in_turn(Run *run, const Component *c, const double *now, double
 INLINE bool step_at_once(Run *run, const Component *c, const double *now, double *next, int n,
                          int version) {
 #pragma clang loop unroll(full)
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         TRY(set_some_inputs(run, c + i, version, now));
-    }
     plain(true);
 #pragma clang loop unroll(full)
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         TRY(do_step(run, c + i, version));
-    }
 #pragma clang loop unroll(full)
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         TRY(get_some_outputs(run, c + i, version, c[i].n_outputs, next));
-    }
     return true;
 }
 
@@ -122,9 +119,8 @@ static bool step_until(Run *run, int64_t end) {
     static Walk *const many[][3] = {{walk_mixed_in_turn, walk_fmi2_in_turn, walk_fmi3_in_turn},
                                     {walk_mixed_at_once, walk_fmi2_at_once, walk_fmi3_at_once}};
     const int64_t n = run->n_components, version = run->uniform, jacobi = run->jacobi != 0;
-    if (version && n <= (int64_t)(sizeof few / sizeof *few)) {
+    if (version && n <= (int64_t)(sizeof few / sizeof *few))
         return few[n - 1][jacobi][version - 2](run, end);
-    }
     return many[jacobi][version ? version - 1 : 0](run, end);
 }
 

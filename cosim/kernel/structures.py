@@ -20,9 +20,8 @@ _TEXT = re.sub(
     "".join(Path(__file__).with_name(f"{h}.h").read_text(encoding="utf-8") for h in _HEADERS),
     flags=re.DOTALL,
 )
-_BODIES = {
-    name: body for body, name in re.findall(r"typedef struct[\w ]*\{([^{}]*)\} (\w+);", _TEXT)
-}
+_STRUCTURES = re.findall(r"typedef struct[\w ]*\{([^{}]*)\} (\w+);", _TEXT)
+_BODIES = {name: body for body, name in _STRUCTURES}
 
 
 def calls(table: str) -> list[list[str]]:
@@ -38,20 +37,10 @@ def step_calls(version: int) -> list[str]:
 
 
 MAX_PAST = 3
-STORED = {
-    "double": ctypes.c_double,
-    "float": ctypes.c_float,
-    "int8_t": ctypes.c_int8,
-    "uint8_t": ctypes.c_uint8,
-    "int16_t": ctypes.c_int16,
-    "uint16_t": ctypes.c_uint16,
-    "int32_t": ctypes.c_int32,
-    "uint32_t": ctypes.c_uint32,
-    "int64_t": ctypes.c_int64,
-    "uint64_t": ctypes.c_uint64,
-    "bool": ctypes.c_bool,
-    "char *": ctypes.c_char_p,
-}
+_INTEGERS = [f"{sign}int{bits}" for bits in (8, 16, 32, 64) for sign in ("", "u")]
+STORED: dict[str, Any] = {"double": ctypes.c_double, "float": ctypes.c_float}
+STORED |= {f"{name}_t": getattr(ctypes, f"c_{name}") for name in _INTEGERS}
+STORED |= {"bool": ctypes.c_bool, "char *": ctypes.c_char_p}
 """The types of values in the order of ``enum Stored``; the last stands for all text."""
 _LENGTHS = {"N_CALLS": len(calls("GENERAL_CALLS")), "MAX_PAST": MAX_PAST}
 _TYPES: dict[str, Any] = {

@@ -20,9 +20,8 @@ fmi2Status transfer(GeneralComponent *f, const Group *g) {
 }
 
 fmi2Status set_groups(GeneralComponent *f, const Groups *groups) {
-    for (size_t i = 0; i < groups->n; i++) {
+    for (size_t i = 0; i < groups->n; i++)
         TRY_STATUS(groups->groups[i].clock ? fmi2OK : transfer(f, &groups->groups[i]));
-    }
     return fmi2OK;
 }
 
@@ -44,9 +43,8 @@ void store(const Group *g, int64_t place, double value) {
         [INT8] = INT8_MAX,     [UINT8] = UINT8_MAX, [INT16] = INT16_MAX,
         [UINT16] = UINT16_MAX, [INT32] = INT32_MAX, [UINT32] = UINT32_MAX,
         [INT64] = 0x1p63,      [UINT64] = 0x1p64,   [TRUTH] = 1};
-    if (g->stored > FLOAT32 && g->stored < TRUTH) {
+    if (g->stored > FLOAT32 && g->stored < TRUTH)
         value = fmax(lowest[g->stored], fmin(highest[g->stored], value));
-    }
     switch (g->stored) { STORED_TYPES(STORE) }
 }
 
@@ -80,9 +78,8 @@ bool take_values(GeneralComponent *f, const uint32_t r[], size_t n, const double
 fmi2Status set_taken(GeneralComponent *f) {
     for (size_t i = 0; i < f->inputs.n; i++) {
         const Group *group = &f->inputs.groups[i];
-        if (!group->clock && !(f->running && f->event_mode && group->discrete)) {
+        if (!group->clock && !(f->running && f->event_mode && group->discrete))
             TRY_STATUS(transfer(f, group));
-        }
     }
     return fmi2OK;
 }

@@ -10,9 +10,8 @@ typedef bool Step(Run *run, const double *now, double *next);
 
 /* Find the next input event, from a step on. */
 static inline void seek_event(Run *run, int64_t step) {
-    while (run->event < run->n_events && run->events[run->event].step < step) {
+    while (run->event < run->n_events && run->events[run->event].step < step)
         run->event++;
-    }
     run->event_end = run->event < run->n_events ? run->events[run->event].step + 1 : 0;
 }
 
@@ -46,9 +45,8 @@ INLINE bool walk_straight(Run *run, int64_t end, Step step_all, int64_t width, b
     run->h = run->step;
     for (int64_t n = run->done; n < end; now += width) {
         run->t = run->start + (double)n * run->step;
-        if (!constant) {
+        if (!constant)
             run->h = run->start + (double)(n + 1) * run->step - run->t;
-        }
         TRY(step_all(run, now, now + width));
         run->done = ++n;
     }
@@ -61,9 +59,8 @@ INLINE bool walk(Run *run, int64_t end, Step step_all, int64_t width, bool const
         const int64_t next = run->event_end;
         const bool event = UNLIKELY(next != 0) && next <= end;
         TRY(walk_straight(run, event ? next - 1 : end, step_all, width, constant));
-        if (LIKELY(!event)) {
+        if (LIKELY(!event))
             return true;
-        }
         double *now = row_of(run, next - 1);
         run->t = run->start + (double)(next - 1) * run->step;
         TRY(step_in_parts(run, now, now + width, step_all));

@@ -106,10 +106,8 @@ class Checkpoint:
             kinds.get(kind, {})[name] = values
         version = int(arrays.get("format", np.array(1)))
         if version != FORMAT:
-            raise ValueError(
-                f"it is of format {version}, this version of cosim reads {FORMAT}; run again from"
-                " the start and save again"
-            )
+            what = f"this version of cosim reads {FORMAT}; run again from the start and save again"
+            raise ValueError(f"it is of format {version}, {what}")
         identity = {str(k): str(v) for k, v in json.loads(str(arrays["identity"])).items()}
         states = {n: np.asarray(s, np.uint8).tobytes() for n, s in kinds["state"].items()}
         starts = {name: float(start) for name, start in kinds["start"].items()}
@@ -155,10 +153,8 @@ def taken(stepper: Stepper) -> Checkpoint:
     plan, fmus = stepper.plan, stepper.fmus
     components = plan.spec.system.components
     if mute := [name for name, fmu in components.items() if not fmu.serializes]:
-        raise SimulationError(
-            f"the state cannot be saved: {', '.join(mute)} cannot serialise it"
-            " (canSerializeFMUstate)"
-        )
+        what = f"{', '.join(mute)} cannot serialise it (canSerializeFMUstate)"
+        raise SimulationError(f"the state cannot be saved: {what}")
     row, done = fmus.memory.row(), fmus.run.done
     memory = {f"/{name}": values for name, values in fmus.coupled.memory().items()}
     for owner, general in fmus.general.items():

@@ -36,12 +36,9 @@ class Exclusive:
 
     def _refuse(self) -> NoReturn:
         if self._forked():
-            raise SharedSimulation(
-                f"{self._name}: this simulation was prepared before the process was forked, and"
-                " belongs to the other process; prepare another one here: simulation.spec.prepare()"
-            )
-        raise SharedSimulation(
-            f"{self._name}: this simulation is in use; it runs in one thread at a time, and not"
-            " from its own progress function; prepare another one for each thread:"
-            " simulation.spec.prepare()"
-        )
+            what = "was prepared before the process was forked, and belongs to the other process"
+            advice = "prepare another one here: simulation.spec.prepare()"
+            raise SharedSimulation(f"{self._name}: this simulation {what}; {advice}")
+        what = "it runs in one thread at a time, and not from its own progress function"
+        advice = "prepare another one for each thread: simulation.spec.prepare()"
+        raise SharedSimulation(f"{self._name}: this simulation is in use; {what}; {advice}")

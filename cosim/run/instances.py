@@ -67,9 +67,8 @@ class Instances:
         self.libraries = {name: fmu.table() for name, fmu in self._components.items()}
         for name, library in self.libraries.items():
             if library.lacks_reset:
-                resets.declare_unresettable(
-                    system, [name], f"it has no function {library.lacks_reset}"
-                )
+                what = f"it has no function {library.lacks_reset}"
+                resets.declare_unresettable(system, [name], what)
         self.run, self.general = wire(
             system,
             plan.layout,
@@ -150,15 +149,12 @@ class Instances:
                 self.kernel.instantiate(slot, *(text.encode() for text in arguments))
                 if not slot.instance:
                     tool = "; it needs the tool that made it" if fmu.needs_tool else ""
-                    raise SimulationError(
-                        f"{name}: {fmu.label} cannot be instantiated{_message_of(slot, fmu)}{tool}"
-                    )
+                    what = f"{fmu.label} cannot be instantiated{_message_of(slot, fmu)}{tool}"
+                    raise SimulationError(f"{name}: {what}")
                 if slot.instance in given:
                     slot.instance = None
-                    raise SimulationError(
-                        f"{name}: {fmu.label} gives an instance that it has given before;"
-                        " it can serve one component only"
-                    )
+                    what = f"{fmu.label} gives an instance that it has given before"
+                    raise SimulationError(f"{name}: {what}; it can serve one component only")
                 given.add(slot.instance)
         self.ready = True
 
@@ -236,10 +232,8 @@ class Instances:
             self.libraries[name].fault = None
             if not isinstance(fault, Exception):
                 raise fault
-            label = self._components[name].label
-            error = SimulationError(
-                f"{name}: {label} raised {type(fault).__name__}: {fault} {when}"
-            )
+            raised = f"{self._components[name].label} raised {type(fault).__name__}: {fault}"
+            error = SimulationError(f"{name}: {raised} {when}")
             error.__cause__ = fault
             return error
         if run.status == kernel.NOT_SOLVED:

@@ -25,11 +25,8 @@ def declare(binaries: Iterable[Path], line: str) -> None:
 
 def declare_unresettable(system: System, names: Sequence[str], what: str) -> None:
     """Note that components cannot be used again after a reset, and what shows it."""
-    _declare(
-        system,
-        names,
-        f"cannot be used again after a reset: {what}; each run has a new instance of it",
-    )
+    said = f"cannot be used again after a reset: {what}; each run has a new instance of it"
+    _declare(system, names, said)
 
 
 def declare_erratic(system: System, names: Sequence[str], what: str) -> None:

@@ -153,13 +153,11 @@ class Result:
     @cached_property
     def texts(self) -> dict[str, list[str]]:
         """What each variable of type String holds at the points in time."""
-        return {
-            name: [
-                course[i - 1][1]
-                for i in np.searchsorted([t for t, _ in course], self.time, "right")
-            ]
-            for name, course in self.changes.items()
-        }
+        found = {}
+        for name, course in self.changes.items():
+            places = np.searchsorted([t for t, _ in course], self.time, "right")
+            found[name] = [course[i - 1][1] for i in places]
+        return found
 
     @cached_property
     def units(self) -> dict[str, str | None]:
@@ -273,9 +271,7 @@ def writing(path: Path) -> Iterator[Take]:
         yield take
 
 
-def taking(
-    out: str | os.PathLike[str] | Take | None,
-) -> AbstractContextManager[Take | None]:
+def taking(out: str | os.PathLike[str] | Take | None) -> AbstractContextManager[Take | None]:
     """Return what takes parts: a function as it is, a file as one that writes it."""
     return nullcontext(out) if out is None or callable(out) else writing(Path(out))
 

@@ -76,10 +76,8 @@ class Simulation:
         self._reuse.before_repetition = call
 
     def __repr__(self) -> str:
-        spec = self.spec
-        return (
-            f"Simulation({spec.system!r}, {spec.start:g} to {spec.stop:g} s, step {spec.step:g} s)"
-        )
+        s = self.spec
+        return f"Simulation({s.system!r}, {s.start:g} to {s.stop:g} s, step {s.step:g} s)"
 
     def run(
         self,
@@ -202,10 +200,9 @@ class Simulation:
                 return self._stepper.step(inputs or {})
             except Discarded as discarded:
                 self._heed(discarded)
-                raise SimulationError(
-                    f"{discarded.component} discarded a step; begin the run again with start(): its"
-                    " steps are then tried in parts, or without derivatives of its inputs"
-                ) from None
+                what = "discarded a step; begin the run again with start()"
+                advice = "its steps are then tried in parts, or without derivatives of its inputs"
+                raise SimulationError(f"{discarded.component} {what}: {advice}") from None
 
     def _with_retries(self, attempt: Callable[[], T]) -> T:
         """Run; again, with more care or new instances, where a discarded step or a reset allows."""
@@ -266,18 +263,15 @@ class Simulation:
         """
         checkpoint = Checkpoint.read(path)
         if difference := differences(checkpoint.identity, identity(self._plan)):
-            raise SimulationError(
-                f"{path} was saved by another system or run: {difference}; make them equal, or run"
-                " from the start"
-            )
+            what = f"{difference}; make them equal, or run from the start"
+            raise SimulationError(f"{path} was saved by another system or run: {what}")
         last = self._plan.step_at(until)
         if checkpoint.step < 0:
             raise SimulationError(f"{path}: the saved state is damaged: step {checkpoint.step}")
         if last <= checkpoint.step:
             reached = self.spec.start + checkpoint.step * self.spec.step
-            raise ExperimentError(
-                f"{path} is at t = {reached:.9g} s already, there is no step left"
-            )
+            when = f"t = {reached:.9g} s already"
+            raise ExperimentError(f"{path} is at {when}, there is no step left")
         parameters = self.spec.system.parameters
         signals, changes = signals_of(inputs), signals_of(tunable)
 
@@ -334,10 +328,9 @@ class Simulation:
             self._reuse.free()
 
     def __reduce__(self) -> NoReturn:
-        raise TypeError(
-            f"{self.spec.system.name}: a prepared simulation cannot be pickled or copied, for it"
-            " holds instances of FMUs; pickle simulation.spec, and prepare() it where it arrives"
-        )
+        what = "a prepared simulation cannot be pickled or copied, for it holds instances of FMUs"
+        advice = "pickle simulation.spec, and prepare() it where it arrives"
+        raise TypeError(f"{self.spec.system.name}: {what}; {advice}")
 
     def _value(self, name: str) -> float:
         variable = self.spec.system.variable(name, ParameterError)

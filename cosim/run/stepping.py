@@ -65,10 +65,7 @@ class Stepper:
         self._first_output = sum(name in self._system.inputs for name in recorded)
 
     def follow(
-        self,
-        values: Mapping[str, Value],
-        inputs: Mapping[str, Input],
-        tunable: Mapping[str, Input],
+        self, values: Mapping[str, Value], inputs: Mapping[str, Input], tunable: Mapping[str, Input]
     ) -> Array:
         """Return the exposed inputs at the points in time; between them they are attached."""
         system, run = self._system, self.fmus.run
@@ -159,9 +156,8 @@ class Stepper:
         done = self.fmus.run.done
         self.fmus.drop_invalidated()
         if not (self._by_steps and self.fmus.ready):
-            raise SimulationError(
-                f"{self._system.name}: expected a run by steps; begin one with start()"
-            )
+            advice = "begin one with start()"
+            raise SimulationError(f"{self._system.name}: expected a run by steps; {advice}")
         if done == self.plan.n_steps:
             raise ExperimentError(
                 f"{self._system.name}: the run is at its stop, {self.plan.spec.stop:.9g} s; begin"
@@ -199,9 +195,8 @@ class Stepper:
         if end:
             reached, reason = end
             name = self.plan.order[self.fmus.run.failed]
-            raise SimulationError(
-                f"{name}: {reason} at t = {reached:.9g} s; begin another run with start()"
-            )
+            advice = "begin another run with start()"
+            raise SimulationError(f"{name}: {reason} at t = {reached:.9g} s; {advice}")
         self._by_steps = True
         names = self.plan.layout.recorded[self._first_output :]
         values = self.fmus.memory.last()[self._first_output :].tolist()
@@ -287,11 +282,9 @@ class Stepper:
             batches.append((own, batch, self.fmus.state_of(one).read))
         return Texts(batches)
 
-    def _result(
-        self, time: Array, values: Array, points: int, stopped: str | None = None
-    ) -> Result:
+    def _result(self, time: Array, rows: Array, points: int, stopped: str | None = None) -> Result:
         layout, changes = self.plan.layout, self._texts.changes
-        kept = (time, values, layout.recorded, self._system)
+        kept = (time, rows, layout.recorded, self._system)
         return Result(*kept, stopped, changes, points, places=layout.places)
 
 
@@ -313,19 +306,17 @@ def _status(library: Library, instance: int, name: str, kind: int, answer: Any) 
 
 
 _MOST = 10_000_000  # characters of a run
+_Reading = tuple[Sequence[str], Batch, Callable[[Batch], None]]
 
 
 class Texts:
     """Reads strings at points in time and keeps those that differ from the ones before."""
 
-    def __init__(
-        self, batches: Sequence[tuple[Sequence[str], Batch, Callable[[Batch], None]]]
-    ) -> None:
+    def __init__(self, batches: Sequence[_Reading]) -> None:
         self._batches = batches
         self._size = 0
-        self.changes: dict[str, list[tuple[float, str]]] = {
-            name: [] for names, _, _ in batches for name in names
-        }
+        names = [name for names, _, _ in batches for name in names]
+        self.changes: dict[str, list[tuple[float, str]]] = {name: [] for name in names}
 
     def forget(self) -> None:
         """Let go of all values but the present ones."""

@@ -42,9 +42,8 @@ def read_columns(path: Path) -> dict[str, Array]:
             cells = row if len(columns) == len(names) else _split(row, names, widths, where)
             values = _numbers(cells, columns, where)
             if values[place] < before:
-                raise SignalError(
-                    f"{where}: time falls from {before} to {values[place]} s; sort the rows by time"
-                )
+                what = f"time falls from {before} to {values[place]} s; sort the rows by time"
+                raise SignalError(f"{where}: {what}")
             before = values[place]
             numbers.extend(values)
     except OSError as fault:
@@ -68,10 +67,8 @@ def _split(row: list[str], names: Sequence[str], widths: Sequence[int], place: s
     cells = [cell.split() or [cell] for cell in row]
     for name, cell, width in zip(names, cells, widths, strict=False):
         if len(cell) != width:
-            raise SignalError(
-                f"{place}: column {shown(name)}: expected {width} numbers as in the first row, got"
-                f" {len(cell)}"
-            )
+            what = f"expected {width} numbers as in the first row, got {len(cell)}"
+            raise SignalError(f"{place}: column {shown(name)}: {what}")
     return [number for cell in cells for number in cell]
 
 
@@ -79,9 +76,8 @@ def _lines(text: str, label: str) -> Iterator[str]:
     """Yield lines, each ended by LF, CR or both; none may be without end."""
     for number, line in enumerate(io.StringIO(text, newline=""), start=1):
         if len(line) > LONGEST:
-            raise SignalError(
-                f"{label}, line {number}: {len(line)} characters, expected at most {LONGEST}"
-            )
+            what = f"{len(line)} characters, expected at most {LONGEST}"
+            raise SignalError(f"{label}, line {number}: {what}")
         yield line
 
 
@@ -89,10 +85,8 @@ def _check_names(names: Sequence[str], label: str) -> None:
     twice = [name for name, n in Counter(names).items() if n > 1]
     if "time" not in names or twice:
         got = f"{shown(twice[0])} twice" if twice else printable(repr(", ".join(names)))
-        raise SignalError(
-            f"{label}: expected a first line of distinct names, 'time' among them, separated by"
-            f" commas, got {got}"
-        )
+        what = "a first line of distinct names, 'time' among them, separated by commas"
+        raise SignalError(f"{label}: expected {what}, got {got}")
 
 
 def _numbers(row: Sequence[str], names: Sequence[str], place: str) -> list[float]:
@@ -104,10 +98,8 @@ def _numbers(row: Sequence[str], names: Sequence[str], place: str) -> list[float
         values = []
     if not (values and all(map(isfinite, values)) and "_" not in "".join(row)):
         wrong = next(k for k, cell in enumerate(row) if not _is_finite(cell))
-        raise SignalError(
-            f"{place}: column {shown(names[wrong])}: expected a finite number, got"
-            f" {shown(row[wrong])}"
-        )
+        what = f"expected a finite number, got {shown(row[wrong])}"
+        raise SignalError(f"{place}: column {shown(names[wrong])}: {what}")
     return values
 
 

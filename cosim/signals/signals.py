@@ -63,9 +63,8 @@ class SineSweep:
     def __post_init__(self) -> None:
         numbers = (self.frequency, self.amplitude, (self.duration, self.begin))
         if _numbers(self, *numbers).shape != (3, 2) or not self.duration > 0.0:
-            raise SignalError(
-                f"{self}: expected two frequencies, two amplitudes and a positive duration"
-            )
+            what = "expected two frequencies, two amplitudes and a positive duration"
+            raise SignalError(f"{self}: {what}")
 
     def sample(self, t: Array) -> Array:
         """Return the values (n,) at the times t (n,) in s."""
@@ -142,9 +141,8 @@ class Table:
             object.__setattr__(self, name, values)
         t, x = self.time, self.values
         if t.ndim != 1 or t.shape != x.shape or not len(t):
-            raise SignalError(
-                f"time has the shape {t.shape}, values {x.shape}; expected (n,) twice"
-            )
+            what = f"time has the shape {t.shape}, values {x.shape}"
+            raise SignalError(f"{what}; expected (n,) twice")
         if not (np.isfinite(t).all() and np.isfinite(x).all()):
             raise SignalError("a table holds a time or value that is not finite")
         if (falling := np.flatnonzero(np.diff(t) < 0)).size:
@@ -232,10 +230,8 @@ def sampled(name: str, signal: Input, time: Array) -> Array:
     elif callable(signal):
         signal = _evaluated(name, signal, time)
     if hasattr(signal, "magnitude") and hasattr(signal, "units"):
-        raise SignalError(
-            f"input {name!r}: expected numbers in the unit of the input, got a quantity in"
-            f" {signal.units}; give the magnitude of quantity.to(unit)"
-        )
+        what = f"got a quantity in {signal.units}; give the magnitude of quantity.to(unit)"
+        raise SignalError(f"input {name!r}: expected numbers in the unit of the input, {what}")
     wrong = f"input {name!r}: expected numbers, got "  # a run of numbers formats none of them
     kind = getattr(getattr(signal, "dtype", None), "kind", "")
     if isinstance(signal, str | bytes | complex) or kind == "c":
@@ -246,10 +242,8 @@ def sampled(name: str, signal: Input, time: Array) -> Array:
     except (TypeError, ValueError):
         raise SignalError(wrong + printable(repr(signal), 80)) from None
     if values.ndim and values.shape != time.shape:
-        raise SignalError(
-            f"input {name!r} has the shape {values.shape}, expected {time.shape}:"
-            " one value for each point in time, the last included"
-        )
+        what = f"expected {time.shape}: one value for each point in time, the last included"
+        raise SignalError(f"input {name!r} has the shape {values.shape}, {what}")
     if not (finite := np.isfinite(values)).all():
         when = time[np.argmin(finite)] if values.ndim else time[0]
         raise SignalError(f"input {name!r} is not finite at t = {when:.9g} s")
@@ -275,9 +269,8 @@ def _evaluated(name: str, function: Callable[[Any], Any], time: Array) -> Any:
             value = function(t)
         except Exception as fault:
             also = "" if whole == _told(fault) else f"; for an array of all times it {whole}"
-            raise SignalError(
-                f"input {name!r}: at t = {t:.9g} s the function {_told(fault)}{also}"
-            ) from fault
+            what = f"at t = {t:.9g} s the function {_told(fault)}{also}"
+            raise SignalError(f"input {name!r}: {what}") from fault
         found.append(value if isinstance(value, (float, int)) else _number(name, t, value))
     return np.array(found, dtype=np.float64)
 
@@ -289,9 +282,8 @@ def _number(name: str, t: float, value: Any) -> float:
         return float(np.asarray(value).item() if array else value)
     except (TypeError, ValueError):
         got = printable(repr(value), 80)
-        raise SignalError(
-            f"input {name!r}: at t = {t:.9g} s the function returned {got}, expected a number"
-        ) from None
+        what = f"at t = {t:.9g} s the function returned {got}, expected a number"
+        raise SignalError(f"input {name!r}: {what}") from None
 
 
 def _told(fault: Exception) -> str:

@@ -85,9 +85,8 @@ def write_excel(path: Path, frame: pd.DataFrame) -> None:
     try:
         frame.to_excel(stream, engine="openpyxl")
     except ImportError:
-        raise CosimError(
-            f"{path}: Excel files need openpyxl; install it with {installing('excel')}"
-        ) from None
+        advice = f"install it with {installing('excel')}"
+        raise CosimError(f"{path}: Excel files need openpyxl; {advice}") from None
     atomic_write(path, stream.getvalue())
 
 
@@ -110,9 +109,8 @@ def _read(source: pd.DataFrame | str | os.PathLike[str]) -> dict[str, Table]:
         raise SignalError(f"{path}: cannot be read: {fault}") from None
     for name, column in columns.items():
         if column.numbers is None or column.unit:
-            raise SignalError(
-                f"{path}: column {shown(name)}: expected numbers, got {printable(column.kind)}"
-            )
+            what = f"expected numbers, got {printable(column.kind)}"
+            raise SignalError(f"{path}: column {shown(name)}: {what}")
     return _from_frame(pd.DataFrame({n: c.numbers for n, c in columns.items()}), str(path))
 
 
@@ -136,16 +134,12 @@ def _from_frame(frame: pd.DataFrame, label: str) -> dict[str, Table]:
 
     index = frame.index
     if index.nlevels > 1 or frame.columns.nlevels > 1:
-        raise SignalError(
-            f"{label}: has an index or columns of several levels; expected times [s] and names;"
-            " see droplevel of pandas"
-        )
+        advice = "expected times [s] and names; see droplevel of pandas"
+        raise SignalError(f"{label}: has an index or columns of several levels; {advice}")
     if "time" not in frame.columns:
         if index.name != "time" and isinstance(index, pd.RangeIndex):
-            raise SignalError(
-                f"{label}: no column 'time', and its index numbers the rows; expected times [s] in"
-                " one of them"
-            )
+            what = "no column 'time', and its index numbers the rows"
+            raise SignalError(f"{label}: {what}; expected times [s] in one of them")
         frame = frame.reset_index(names="time")
     names = [str(name) for name in frame.columns]
     if len(set(names)) < len(names) or names == ["time"]:
@@ -170,10 +164,8 @@ def _numbers(column: pd.Series) -> Array:
     if column.dtype.kind == "m":
         return np.asarray(column.dt.total_seconds())
     if column.dtype.kind in "Mc":
-        raise SignalError(
-            f"column {column.name!r} holds {column.dtype}; expected numbers, of a time stamp for"
-            " example the seconds since the first: (t - t[0]).total_seconds()"
-        )
+        what = "of a time stamp for example the seconds since the first: (t - t[0]).total_seconds()"
+        raise SignalError(f"column {column.name!r} holds {column.dtype}; expected numbers, {what}")
     return np.asarray(column, dtype=np.float64)
 
 
@@ -181,9 +173,8 @@ def _arrow(error: type[CosimError], path: Path) -> ModuleType | Any:
     try:
         import pyarrow
     except ImportError:
-        raise error(
-            f"{path}: Parquet files need pyarrow; install it with {installing('parquet')}"
-        ) from None
+        advice = f"install it with {installing('parquet')}"
+        raise error(f"{path}: Parquet files need pyarrow; {advice}") from None
     return pyarrow
 
 
@@ -234,13 +225,9 @@ def read_parquet(data: bytes) -> dict[str, Column]:
 
 
 def _holds_numbers(pa: Any, kind: Any) -> bool:
-    is_time = pa.types.is_timestamp(kind) or pa.types.is_duration(kind)
-    return bool(pa.types.is_primitive(kind)) and bool(
-        is_time
-        or pa.types.is_integer(kind)
-        or pa.types.is_floating(kind)
-        or pa.types.is_boolean(kind)
-    )
+    t = pa.types
+    tests = (t.is_timestamp, t.is_duration, t.is_integer, t.is_floating, t.is_boolean)
+    return bool(t.is_primitive(kind)) and any(test(kind) for test in tests)
 
 
 def _column(pa: Any, kind: Any, values: Any) -> Column:

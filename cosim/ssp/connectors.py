@@ -39,10 +39,8 @@ class Definitions:
             unit = _read_unit(element)
             if units.setdefault(unit.name, unit) != unit:
                 raise SspError(f"{place(element)}: unit {unit.name!r} has two definitions")
-        return cls(
-            units,
-            {attribute(e, "name"): _items(e) for e in root.iter(tag("ssc:Enumeration")) if len(e)},
-        )
+        found = (e for e in root.iter(tag("ssc:Enumeration")) if len(e))
+        return cls(units, {attribute(e, "name"): _items(e) for e in found})
 
     def within(self, outer: Definitions) -> Definitions:
         """Return these definitions, completed by those of another file."""
@@ -118,10 +116,8 @@ def scaling_of(element: Any) -> Scaling:
     if found is None:
         return IDENTITY
     if found.tag != tag("ssc:LinearTransformation"):
-        raise SspError(
-            f"{place(found)}: a {local(found)} is not supported; map the values in a component"
-            " between"
-        )
+        advice = "map the values in a component between"
+        raise SspError(f"{place(found)}: a {local(found)} is not supported; {advice}")
     return Scaling(number(found, "factor", 1.0), number(found, "offset", 0.0))
 
 
@@ -129,10 +125,8 @@ def check_types(element: Any, ends: list[tuple[str, str | None]]) -> None:
     """Check that the ends of a connection, each with name and type or None, fit together."""
     start, end = (FAMILY.get(kind or "") for _, kind in ends)
     if end and scaling_of(element) != IDENTITY and end not in ("number", "integer", "enumeration"):
-        raise SspError(
-            f"{place(element)}: LinearTransformation is for integer and number values,"
-            f" {ends[1][0]} is of the type {ends[1][1]}"
-        )
+        what = f"for integer and number values, {ends[1][0]} is of the type {ends[1][1]}"
+        raise SspError(f"{place(element)}: LinearTransformation is {what}")
     if start and end and not converts(start, end):
         both = " to ".join(f"{name} ({kind})" for name, kind in ends)
         raise SspError(

@@ -66,10 +66,8 @@ class Graph:
     def put(self, edge: Edge) -> None:
         """Add a connection to an end that is not connected and does not lead back to it."""
         if other := self.edges.get(edge.target):
-            raise SspError(
-                f"{place(edge.element)}: {label(edge.target)} is already connected, in"
-                f" {place(other.element)}; leave one of them"
-            )
+            what = f"is already connected, in {place(other.element)}; leave one of them"
+            raise SspError(f"{place(edge.element)}: {label(edge.target)} {what}")
         if edge.target in (edge.source, *(before.source for before in self.way_to(edge.source))):
             raise SspError(f"{place(edge.element)}: the connection leads back to itself")
         self.edges[edge.target] = edge
@@ -212,11 +210,9 @@ class Graph:
             or (connector.kind not in _TAKES and converts(is_, declared))
         )
         if roles == {"input", "output"} or differ:
-            raise SspError(
-                f"{place(element)}: {label(end)} is declared as {connector.kind}"
-                f" {connector.type or ''}, its FMU has {variable.causality} {variable.type};"
-                " correct the connector"
-            )
+            what = f"{label(end)} is declared as {connector.kind} {connector.type or ''}"
+            advice = f"its FMU has {variable.causality} {variable.type}; correct the connector"
+            raise SspError(f"{place(element)}: {what}, {advice}")
 
     def _dictionary(self, reference: Node, element: Any) -> Path:
         name = reference.dictionary or ""
@@ -249,13 +245,10 @@ def _converted(unit: Unit | None, other: Unit | None, edge: Edge) -> Scaling:
         return IDENTITY
     scaling = conversion(unit, other)
     if scaling is None:
-        undefined = [
-            f"; no file defines what {u.name!r} is" for u in (unit, other) if u.exponents is None
-        ]
-        raise SspError(
-            f"{place(edge.element)}: cannot connect {label(edge.source)} to {label(edge.target)}:"
-            f" {unit} cannot be converted to {other}{''.join(undefined)}"
-        )
+        unknown = [u.name for u in (unit, other) if u.exponents is None]
+        undefined = [f"; no file defines what {name!r} is" for name in unknown]
+        what = f"to {label(edge.target)}: {unit} cannot be converted to {other}{''.join(undefined)}"
+        raise SspError(f"{place(edge.element)}: cannot connect {label(edge.source)} {what}")
     return scaling
 
 
@@ -285,10 +278,8 @@ def expand(graph: Graph) -> None:
         if not shape:
             continue
         if prod(shape) > MOST_ELEMENTS:
-            raise SspError(
-                f"{place(edge.element)}: cannot connect {label(edge.source)} to"
-                f" {label(edge.target)}: {prod(shape)} elements, at most {MOST_ELEMENTS} are"
-            )
+            what = f"to {label(edge.target)}: {prod(shape)} elements, at most {MOST_ELEMENTS} are"
+            raise SspError(f"{place(edge.element)}: cannot connect {label(edge.source)} {what}")
         graph.drop(edge)
         for place_ in product(*(range(1, n + 1) for n in shape)):
             text = f"[{','.join(map(str, place_))}]"
@@ -299,10 +290,8 @@ def expand(graph: Graph) -> None:
 def _shape_at(graph: Graph, edge: Edge) -> Shape:
     source, target = (_shape(graph, end, edge, ()) for end in (edge.source, edge.target))
     if source != target:
-        raise SspError(
-            f"{place(edge.element)}: cannot connect {label(edge.source)} to {label(edge.target)}:"
-            f" their dimensions are {source} and {target}"
-        )
+        what = f"to {label(edge.target)}: their dimensions are {source} and {target}"
+        raise SspError(f"{place(edge.element)}: cannot connect {label(edge.source)} {what}")
     return source
 
 
@@ -323,10 +312,8 @@ def _shape(graph: Graph, end: End, edge: Edge, seen: tuple[End, ...]) -> Shape:
         _, indices = parse_element(end[1]) or ("", ())
         fit = [n is None or i <= n for i, n in zip(indices, lengths, strict=False)]
         if len(indices) != len(lengths) or not all(fit):
-            raise SspError(
-                f"{place(edge.element)}: {label(end)} is not an element of an array of the"
-                f" dimensions {lengths}"
-            )
+            what = f"{label(end)} is not an element of an array of the dimensions {lengths}"
+            raise SspError(f"{place(edge.element)}: {what}")
     if None not in declared:
         return tuple(n for n in declared if n is not None)
     before = [graph.edges[end].source] if end in graph.edges else []

@@ -18,22 +18,12 @@ from stickslip.fmi.files import read_limited
 from stickslip.fmi.messages import printable, shown
 from stickslip.fmi.xml import Malformed, parse_xml
 
-NAMESPACES = {
-    part: f"http://ssp-standard.org/SSP1/SystemStructure{name}"
-    for part, name in (
-        ("ssd", "Description"),
-        ("ssc", "Common"),
-        ("ssv", "ParameterValues"),
-        ("ssm", "ParameterMapping"),
-        ("ssb", "SignalDictionary"),
-    )
-}
-ROOTS = {
-    "ssd": "ssd:SystemStructureDescription",
-    "ssv": "ssv:ParameterSet",
-    "ssm": "ssm:ParameterMapping",
-    "ssb": "ssb:SignalDictionary",
-}
+_NAMES = {"ssd": "Description", "ssc": "Common", "ssv": "ParameterValues"}
+_NAMES |= {"ssm": "ParameterMapping", "ssb": "SignalDictionary"}
+_SSP1 = "http://ssp-standard.org/SSP1/SystemStructure"
+NAMESPACES = {part: f"{_SSP1}{name}" for part, name in _NAMES.items()}
+ROOTS = {"ssd": "ssd:SystemStructureDescription", "ssv": "ssv:ParameterSet"}
+ROOTS |= {"ssm": "ssm:ParameterMapping", "ssb": "ssb:SignalDictionary"}
 VERSIONS = ("1.0", "2.0")
 STRUCTURE = "SystemStructure.ssd"
 FMU = "application/x-fmu-sharedlibrary"
@@ -84,10 +74,8 @@ def parse(file: File, part: str) -> Any:
 def check(root: Any, part: str) -> None:
     """Raise SspError unless an element is of a version that is known, and valid."""
     if root.tag != tag(ROOTS[part]):
-        raise SspError(
-            f"{place(root)}: the root element is {printable(root.tag)}, expected"
-            f" {tag(ROOTS[part])} (in SSP 1.0 and 2.0 alike); export it again for one of these"
-        )
+        what = f"{tag(ROOTS[part])} (in SSP 1.0 and 2.0 alike); export it again for one of these"
+        raise SspError(f"{place(root)}: the root element is {printable(root.tag)}, expected {what}")
     version = root.get("version", "")
     if version not in VERSIONS:
         raise SspError(f"{place(root)}: version is {shown(version)}, expected '1.0' or '2.0'")
@@ -184,10 +172,8 @@ def inside(top: File, base: File, element: Any) -> File:
     except (OSError, ValueError):  # no name that a file can have
         raise SspError(f"{place(element)}: source {source[:99]!r} names no file") from None
     if uri.scheme or uri.netloc or not file.is_relative_to(top.resolve()):
-        raise SspError(
-            f"{place(element)}: source {source!r} lies outside the package; only its own files are"
-            " read: copy it into resources/"
-        )
+        advice = "only its own files are read: copy it into resources/"
+        raise SspError(f"{place(element)}: source {source!r} lies outside the package; {advice}")
     if not found:
         raise SspError(f"{place(element)}: source {source!r} is missing from the package")
     return file

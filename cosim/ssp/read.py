@@ -99,21 +99,13 @@ def read_experiment(root: Any) -> DefaultExperiment:
     element = root.find("ssd:DefaultExperiment", NAMESPACES)
     if element is None:
         return DefaultExperiment()
-    step = element.find(
-        f"ssd:Annotations/ssc:Annotation[@type='{ANNOTATION}']"
-        f"/{{{OSP}}}Algorithm/{{{OSP}}}FixedStepAlgorithm",
-        NAMESPACES,
-    )
-    times = DefaultExperiment(
-        _time(element, "startTime"),
-        _time(element, "stopTime"),
-        None if step is None else _time(step, "baseStepSize"),
-    )
+    algorithm = f"ssd:Annotations/ssc:Annotation[@type='{ANNOTATION}']/{{{OSP}}}Algorithm"
+    step = element.find(f"{algorithm}/{{{OSP}}}FixedStepAlgorithm", NAMESPACES)
+    start, stop = _time(element, "startTime"), _time(element, "stopTime")
+    times = DefaultExperiment(start, stop, None if step is None else _time(step, "baseStepSize"))
     if times.stop is not None and times.stop <= (times.start or 0.0):
-        raise SspError(
-            f"{place(element)}: stopTime is {times.stop} s, expected a time after startTime ="
-            f" {times.start or 0.0} s"
-        )
+        what = f"expected a time after startTime = {times.start or 0.0} s"
+        raise SspError(f"{place(element)}: stopTime is {times.stop} s, {what}")
     if times.step is not None and times.step <= 0:
         raise SspError(f"{place(step)}: baseStepSize is {times.step} s, expected a positive one")
     return times
@@ -203,10 +195,8 @@ class ParameterValue:
     def _number(self, items: Items) -> str:
         if self.value not in items:
             near = suggestion(str(self.value), items)
-            raise SspError(
-                f"{place(self.element)}: no enumeration with an item {self.value!r} is"
-                f" defined{near}"
-            )
+            what = f"no enumeration with an item {self.value!r} is defined{near}"
+            raise SspError(f"{place(self.element)}: {what}")
         return str(items[str(self.value)])
 
 
@@ -278,9 +268,8 @@ def _read_value(parameter: Any, definitions: Definitions) -> ParameterValue:
         raise SspError(f"{place(parameter)}: parameter {parameter.get('name')!r} has no value")
     text, family = attribute(element, "value"), FAMILY.get(local(element))
     if family == "number":
-        return ParameterValue(
-            _numbers(text, element), definitions.unit(element.get("unit")), parameter
-        )
+        unit = definitions.unit(element.get("unit"))
+        return ParameterValue(_numbers(text, element), unit, parameter)
     if family == "enumeration":
         return ParameterValue(text, None, parameter, items=_items(element.get("name"), definitions))
     return ParameterValue(text, None, parameter)
@@ -307,9 +296,8 @@ def _numbers(text: str, element: Any) -> float | tuple[float, ...]:
 def _mapped(entry: Any, given: dict[str, ParameterValue]) -> ParameterValue:
     source = attribute(entry, "source")
     if source not in given:
-        raise SspError(
-            f"{place(entry)}: there is no parameter {source!r}{suggestion(source, given)}"
-        )
+        what = f"there is no parameter {source!r}{suggestion(source, given)}"
+        raise SspError(f"{place(entry)}: {what}")
     convert = not truth(entry, "suppressUnitConversion")
     return replace(given[source], convert=convert, scaling=scaling_of(entry), element=entry)
 

@@ -123,15 +123,11 @@ def _element(path: Path, element: Any, document: Document, files: tuple[File, ..
     if kind in NESTED:
         return _nested(path, element, document, files)
     if kind != FMU:
-        raise SspError(
-            f"{place(element)}: component {component(path)!r} is of the type {kind!r};"
-            " only FMUs and SSP systems can be run"
-        )
+        what = f"is of the type {kind!r}; only FMUs and SSP systems can be run"
+        raise SspError(f"{place(element)}: component {component(path)!r} {what}")
     if element.get("source") is None:  # SSP 2.0 allows it
-        raise SspError(
-            f"{place(element)}: component {component(path)!r} has no source, so there is nothing to"
-            " run; give it an FMU"
-        )
+        what = "so there is nothing to run; give it an FMU"
+        raise SspError(f"{place(element)}: component {component(path)!r} has no source, {what}")
     node.fmu = document.locate(element)
     return node
 
@@ -147,10 +143,9 @@ def _nested(path: Path, element: Any, document: Document, files: tuple[File, ...
     if file in files:
         raise SspError(f"{place(element)}: system {component(path)!r} contains itself")
     if len(files) > DEEPEST or len(document.opened) > MOST_FILES:
-        raise SspError(
-            f"{place(element)}: system {component(path)!r}: more than {MOST_FILES} nested systems,"
-            f" or more than {DEEPEST} within each other; only so many are read"
-        )
+        what = f"more than {MOST_FILES} nested systems, or more than {DEEPEST} within each other"
+        advice = "only so many are read"
+        raise SspError(f"{place(element)}: system {component(path)!r}: {what}; {advice}")
     inner = Document.read(file, top, document.opened)
     node = _system(path, find(inner.root, "ssd:System"), inner, (*files, file), element)
     node.document = document
@@ -200,10 +195,8 @@ class Package(Origin):
             except SspError as fault:
                 raise SspError(f"{self.path}: {fault}") from fault
             if name in names:
-                raise SspError(
-                    f"{self.path}: {names[name]} and {file.name} are both called {name!r};"
-                    " choose one by its file"
-                )
+                what = f"are both called {name!r}; choose one by its file"
+                raise SspError(f"{self.path}: {names[name]} and {file.name} {what}")
             names[name] = file.name
         return names
 

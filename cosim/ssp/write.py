@@ -159,9 +159,8 @@ class _Structure:
             members[source] = fmu.path.read_bytes()
             path = path_of(name)
             elements = group(self._body(path[:-1]), "ssd:Elements")
-            self._bodies[path] = add(
-                elements, "ssd:Component", name=path[-1], type=FMU, source=source
-            )
+            named = {"name": path[-1], "type": FMU, "source": source}
+            self._bodies[path] = add(elements, "ssd:Component", **named)
             for v in fmu.variables.values():
                 arrays = bool(v.dimensions) and self._is_new and v.type not in _TEXTS
                 exists = v.type != "Clock" or self._is_new
@@ -287,10 +286,8 @@ def _bind(
         parameter = add(parameters, "ssv:Parameter", name=prefix + variable_of(name))
         kind = _type_of(variable, value, version)
         if kind is None:
-            raise SspError(
-                f"{name}: SSP {version} has no values that are arrays or binary; write"
-                " version='2.0'"
-            )
+            what = f"SSP {version} has no values that are arrays or binary; write version='2.0'"
+            raise SspError(f"{name}: {what}")
         written = add(parameter, f"ssv:{kind}", value=_text_of_value(value))
         for length in variable.dimensions:
             add(parameter, "ssc:Dimension", size=str(length))

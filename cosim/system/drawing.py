@@ -71,12 +71,9 @@ def block_diagram(components: Mapping[str, str], wires: Sequence[Wire]) -> str:
         lines.append(_feedback(boxes, wire, path, height + _LANE * lane, lane))
     height += _LANE * len(back)
     shown = [_drawn(box) for box in boxes.values() if box.title]
-    return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}"'
-        f' width="{width:g}" style="max-width:100%" {_LOOK}>\n'
-        + "\n".join([*lines, *shown])
-        + "\n</svg>"
-    )
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}"'
+    head += f' width="{width:g}" style="max-width:100%" {_LOOK}>'
+    return "\n".join([head, "\n".join([*lines, *shown]), "</svg>"])
 
 
 def _columns(names: Sequence[str], ends: Sequence[tuple[str, str]]) -> dict[str, int]:

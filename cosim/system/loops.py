@@ -48,14 +48,11 @@ def _can_iterate(system: System, members: Sequence[str], *, implicit: bool) -> b
         return True
     loop = algebraic_loop(system, members)
     who = ", ".join(f"{name} ({system.components[name].label})" for name in stuck)
-    remedy = (
-        f"which {who} cannot: canGetAndSetFMUstate is not declared. Export it with that, or choose"
-    )
+    remedy = f"which {who} cannot: canGetAndSetFMUstate is not declared."
+    remedy += " Export it with that, or choose"
     if implicit:
-        raise ConnectionFault(
-            f"coupling='iterative' repeats the steps of {', '.join(members)},"
-            f" {remedy} coupling='gauss_seidel'"
-        )
+        what = f"repeats the steps of {', '.join(members)}, {remedy} coupling='gauss_seidel'"
+        raise ConnectionFault(f"coupling='iterative' {what}")
     if loop:
         raise ConnectionFault(
             f"algebraic loop {' -> '.join(loop)}: every output in it depends on its input without"
@@ -95,9 +92,8 @@ def _sorted_groups(names: Sequence[str], edges: Sequence[Connection]) -> list[li
     pairs = [(component_of(s), component_of(t)) for s, t in edges]
     groups = {members[0]: members for members in _strongly_connected(names, pairs)}
     first = {name: head for head, members in groups.items() for name in members}
-    between = [
-        (f"{first[a]}.", f"{first[b]}.") for a, b in dict.fromkeys(pairs) if first[a] != first[b]
-    ]
+    apart = [(a, b) for a, b in dict.fromkeys(pairs) if first[a] != first[b]]
+    between = [(f"{first[a]}.", f"{first[b]}.") for a, b in apart]
     heads = [name for name in names if name in groups]
     return [groups[head] for head in stepping_order(heads, between)]
 

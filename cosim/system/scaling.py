@@ -81,10 +81,8 @@ class End:
         if variable.causality != causality or not variable.is_signal:
             shape = "array" if variable.dimensions else variable.causality
             hint = f"; name its elements: {self.name}[...]" if variable.dimensions else ""
-            raise ConnectionFault(
-                f"{purpose}: {self.name} is a {variable.type} {shape},"
-                f" expected an {causality} that is a number or Boolean{hint}"
-            )
+            what = f"expected an {causality} that is a number or Boolean{hint}"
+            raise ConnectionFault(f"{purpose}: {self.name} is a {variable.type} {shape}, {what}")
 
 
 def pairs(source: End, target: End) -> list[tuple[str, str]]:
@@ -93,10 +91,8 @@ def pairs(source: End, target: End) -> list[tuple[str, str]]:
     if not all(shapes):
         return [(source.name, target.name)]
     if shapes[0] != shapes[1]:
-        raise ConnectionFault(
-            f"cannot connect {source.name} to {target.name}: their dimensions are"
-            f" {shapes[0]} and {shapes[1]}"
-        )
+        what = f"their dimensions are {shapes[0]} and {shapes[1]}"
+        raise ConnectionFault(f"cannot connect {source.name} to {target.name}: {what}")
     names = (
         [f"{component_of(end.name)}.{element.name}" for element in end.variable.elements()]
         for end in (source, target)
@@ -112,10 +108,9 @@ def transform(source: End, target: End, link: Link) -> Scaling:
     scaling = conversion(unit, wanted)
     if scaling is None:
         hint = "; scale it by a Link with convert=False" if unit.measures_as(wanted) else ""
-        raise ConnectionFault(
-            f"cannot connect {source.name} to {target.name}: {source.name} is in {unit},"
-            f" {target.name} in {wanted}; one cannot be converted to the other{hint}"
-        )
+        what = f"{source.name} is in {unit}, {target.name} in {wanted}"
+        advice = f"one cannot be converted to the other{hint}"
+        raise ConnectionFault(f"cannot connect {source.name} to {target.name}: {what}; {advice}")
     return scaling.then(link.scaling)
 
 
@@ -126,7 +121,6 @@ def check_connection(source: End, target: End, link: Link) -> None:
     start, end = source.variable, target.variable
     types = f"{source.name} is a {start.type}, {target.name} a {end.type}"
     if not converts(start.family, end.family):
-        raise ConnectionFault(
-            f"{purpose}: {types}, which loses a part of the value; put a component between"
-        )
+        advice = "put a component between"
+        raise ConnectionFault(f"{purpose}: {types}, which loses a part of the value; {advice}")
     transform(source, target, link)

@@ -31,9 +31,8 @@ class Adaptive:
 
     def __post_init__(self) -> None:
         if not (self.tolerance > 0 and self.min_step > 0):
-            raise ExperimentError(
-                f"tolerance {self.tolerance} and min_step {self.min_step} s must be positive"
-            )
+            both = f"tolerance {self.tolerance} and min_step {self.min_step} s"
+            raise ExperimentError(f"{both} must be positive")
 
 
 @dataclass(frozen=True)
@@ -82,10 +81,8 @@ class Coupling:
         if self.degree not in (0, 1, 2):
             raise ExperimentError(f"degree is {self.degree!r}, expected 0, 1 or 2")
         if not (self.tolerance > 0 and self.max_iterations > 0):
-            raise ExperimentError(
-                f"tolerance {self.tolerance} and max_iterations {self.max_iterations}"
-                " must be positive"
-            )
+            both = f"tolerance {self.tolerance} and max_iterations {self.max_iterations}"
+            raise ExperimentError(f"{both} must be positive")
         if wrong := {c: n for c, n in self.every.items() if not (isinstance(n, int) and n > 0)}:
             raise ExperimentError(f"every holds {wrong}, expected positive integers")
         if self.every and (self.degree or self.adaptive):
@@ -132,9 +129,8 @@ class Record:
         if isinstance(self.every, bool) or not isinstance(self.every, int) or self.every < 1:
             raise ExperimentError(f"record: every = {self.every!r}, expected an integer from 1 on")
         if self.keep not in ("all", "last", "range"):
-            raise ExperimentError(
-                f"record: keep = {self.keep!r}, expected 'all', 'last' or 'range'"
-            )
+            expected = "expected 'all', 'last' or 'range'"
+            raise ExperimentError(f"record: keep = {self.keep!r}, {expected}")
 
     @classmethod
     def of(cls, what: Record | str | Sequence[str] | None) -> Record:
@@ -180,9 +176,8 @@ class Isolation:
             value = getattr(self, name)
             if value is not None and not 0 < value < _MOST:
                 most = f" below {_MOST:g}" if value >= _MOST else ""
-                raise ExperimentError(
-                    f"isolation: {name} is {value}, expected a positive number{most}"
-                )
+                what = f"{name} is {value}, expected a positive number{most}"
+                raise ExperimentError(f"isolation: {what}")
         try:
             Permissions.of(self.allow)
         except ValueError as fault:
@@ -194,9 +189,8 @@ class Isolation:
         if what is None or isinstance(what, Isolation):
             return what
         if what not in ("process", "foreign"):
-            raise ExperimentError(
-                f"isolation is {what!r}, expected 'foreign', 'process', Isolation() or None"
-            )
+            expected = "'foreign', 'process', Isolation() or None"
+            raise ExperimentError(f"isolation is {what!r}, expected {expected}")
         return cls()
 
 

@@ -137,9 +137,8 @@ class System:
         if fault := check_name(name):
             raise ConnectionFault(f"{shown(name)} cannot name a component: {fault}")
         if name in self.components:
-            raise ConnectionFault(
-                f"{self.name} already has a component {name!r}; choose another name"
-            )
+            what = f"already has a component {name!r}"
+            raise ConnectionFault(f"{self.name} {what}; choose another name")
         self.components[name] = _component(name, fmu, interface)
         try:
             for variable, value in by_name("parameters", parameters, ParameterError).items():
@@ -186,10 +185,8 @@ class System:
         if fault := check_name(name):
             raise ConnectionFault(f"cannot expose {shown(name)}: {fault}")
         if name in self.inputs or not targets:
-            raise ConnectionFault(
-                f"cannot expose {shown(name)}: it needs a name that is not taken, and at least one"
-                " target"
-            )
+            what = "it needs a name that is not taken, and at least one target"
+            raise ConnectionFault(f"cannot expose {shown(name)}: {what}")
         if len(set(targets)) < len(targets):
             raise ConnectionFault(f"cannot expose {name!r}: a target occurs twice")
         purpose = f"cannot connect {name} to {targets[0]}"
@@ -249,10 +246,8 @@ class System:
         found = fmu.find(variable, self.lengths(component))
         if found is None:
             near = suggestion(variable, fmu.variables)
-            raise error(
-                f"{self.name}: component {component!r} ({fmu.label}) has no variable"
-                f" {variable!r}{near}"
-            )
+            what = f"component {component!r} ({fmu.label}) has no variable {variable!r}{near}"
+            raise error(f"{self.name}: {what}")
         return found
 
     def lengths(self, component: str) -> dict[str, int]:
@@ -288,10 +283,8 @@ class System:
         """Return the components for a purpose that only FMUs serve, else raise ConnectionFault."""
         for name, component in self.components.items():
             if not isinstance(component, Fmu):
-                raise ConnectionFault(
-                    f"{self.name}: {purpose} needs FMUs, but {name} is the Python"
-                    f" {component.label}; replace it by an FMU"
-                )
+                what = f"but {name} is the Python {component.label}; replace it by an FMU"
+                raise ConnectionFault(f"{self.name}: {purpose} needs FMUs, {what}")
         return {n: c for n, c in self.components.items() if isinstance(c, Fmu)}
 
     def feedthrough(self) -> list[tuple[str, str]]:
@@ -379,9 +372,8 @@ def _component(name: str, thing: Any, interface: Interface | None) -> Component:
         return Fmu(thing, interface=interface)
     if isinstance(thing, Component):
         return thing
-    raise ConnectionFault(
-        f"{name}: a {type(thing).__name__} is no component; expected an FMU, its path or a Function"
-    )
+    advice = "expected an FMU, its path or a Function"
+    raise ConnectionFault(f"{name}: a {type(thing).__name__} is no component; {advice}")
 
 
 @dataclass(frozen=True)

@@ -64,9 +64,8 @@ def read_variable(
         what = f"{attribute} of {shown(name)}"
         return None if found is None else remarks.attempt(_number, found, what, element)
 
-    dimensions, structure = (
-        _dimensions(element, name, lengths) if version == 3 and len(element) else ((), ())
-    )
+    sized = version == 3 and len(element)
+    dimensions, structure = _dimensions(element, name, lengths) if sized else ((), ())
     causality, variability, initial = _roles(element, version, kind, name, remarks)
     low, high = (number("min"), number("max")) if kind not in NOT_NUMBERS else (None, None)
     if low is not None and high is not None and low > high:

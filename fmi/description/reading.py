@@ -134,14 +134,13 @@ def read_description(root: Any) -> Description:
     states = read_derivatives(typed, places, remarks)
     by_name = {v.name: v for v in variables}
     rates = [u.name for u in unknowns["derivatives"]]
+    interfaces = {tag: dict(e.attrib) for tag in _INTERFACES if (e := root.find(tag)) is not None}
     return Description(
         standard=standard,
         name=root.get("modelName", ""),
         token=root.get("guid" if version == 2 else "instantiationToken", ""),
         licence=root.get("license", ""),
-        interfaces={
-            tag: dict(e.attrib) for tag in _INTERFACES if (e := root.find(tag)) is not None
-        },
+        interfaces=interfaces,
         experiment=_experiment(root.find("DefaultExperiment"), remarks),
         units=units,
         variables=MappingProxyType(by_name),

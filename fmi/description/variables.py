@@ -68,11 +68,8 @@ _FAMILIES = {
 FAMILY = {name: family for family, names in _FAMILIES.items() for name in names}
 """Type of FMI or SSP -> the kind of value it holds."""
 # What a value becomes without loss; a Boolean becomes 0 or 1. Every family becomes itself.
-_WIDER = {
-    "Boolean": {"integer", "number"},
-    "integer": {"enumeration", "number"},
-    "enumeration": {"integer"},
-}
+_WIDER = {"Boolean": {"integer", "number"}, "integer": {"enumeration", "number"}}
+_WIDER["enumeration"] = {"integer"}
 
 
 @dataclass(frozen=True)

@@ -96,18 +96,10 @@ class Guard:
         self._thread.start()
 
     @classmethod
-    def of_python(
-        cls,
-        packages: Iterable[str],
-        readable: Iterable[str],
-        writable: Iterable[str],
-        allow: sandbox.Permissions,
-        memory: float,
-        where: Callable[[], str] = str,
-    ) -> Self:
+    def of_python(cls, packages: Iterable[str], readable: Iterable[str], *further: Any) -> Self:
         """Return the guard of a child that runs Python and may import what is in ``packages``."""
         paths = [Path(path) for name in packages for path in sys.modules[name].__path__]
-        return cls([*sandbox.interpreter_folders(paths), *readable], writable, allow, memory, where)
+        return cls([*sandbox.interpreter_folders(paths), *readable], *further)
 
     def entry(self) -> dict[str, Any]:
         """Return the arguments of ``sandbox.enter``; the child can have been started before."""

@@ -133,10 +133,8 @@ SETTINGS = (
     *("java-11-openjdk", "java-17-openjdk", "java-21-openjdk"),
 )
 """What of /etc can be read: no passwords and keys, which root could."""
-VARIABLES = (
-    *("PATH", "HOME", "LANG", "LANGUAGE", "TZ"),
-    *("TMPDIR", "XDG_CACHE_HOME", "LD_LIBRARY_PATH"),
-)
+VARIABLES: tuple[str, ...] = ("PATH", "HOME", "LANG", "LANGUAGE", "TZ")
+VARIABLES += ("TMPDIR", "XDG_CACHE_HOME", "LD_LIBRARY_PATH")
 FAMILIES = ("LC_", "PYTHON", "STICKSLIP_", "OMP_", "GOMP_", "KMP_", "MKL_", "OPENBLAS_")
 """What of the environment goes to the child: these variables, and those that begin so."""
 # Landlock (linux/landlock.h): calls, rights

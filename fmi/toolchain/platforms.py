@@ -97,6 +97,5 @@ def host_platform() -> Platform:
     try:
         return PLATFORMS[f"{processor}-{system}"]
     except KeyError:
-        raise ToolchainError(
-            f"this machine is {processor}-{system}; FMUs run here on {', '.join(PLATFORMS)} only"
-        ) from None
+        advice = f"FMUs run here on {', '.join(PLATFORMS)} only"
+        raise ToolchainError(f"this machine is {processor}-{system}; {advice}") from None

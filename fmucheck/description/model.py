@@ -157,11 +157,8 @@ class Unknown:
         self.group, self.variable = group, variable
         self.place = f"ModelStructure, {group} {variable.name} (line {element.sourceline})"
         depends, kinds = element.get("dependencies"), element.get("dependenciesKind")
-        self.dependencies = (
-            None
-            if depends is None
-            else [(key, description.variable(whole(key))) for key in depends.split()]
-        )
+        keys = None if depends is None else depends.split()
+        self.dependencies = keys and [(key, description.variable(whole(key))) for key in keys]
         self.kinds = None if kinds is None else kinds.split()
 
 

@@ -10,17 +10,7 @@ import platform
 import re
 import sys
 from collections.abc import Sequence
-from ctypes import (
-    CDLL,
-    CFUNCTYPE,
-    Structure,
-    c_char_p,
-    c_double,
-    c_int,
-    c_size_t,
-    c_uint64,
-    c_void_p,
-)
+from ctypes import CFUNCTYPE, c_char_p, c_double, c_int, c_size_t, c_uint64, c_void_p
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -81,7 +71,7 @@ class Binary:
         self.prefix = f"fmi{version}"
         if hasattr(os, "add_dll_directory"):
             os.add_dll_directory(str(path.parent))
-        self._library = CDLL(str(path))
+        self._library = ctypes.CDLL(str(path))
 
     def function(self, name: str, result: Any = c_int) -> Any:
         """Return a function by its name without prefix; CallFailed when it is not there."""
@@ -120,7 +110,7 @@ _FREE = CFUNCTYPE(None, c_void_p)
 _FINISHED = CFUNCTYPE(None, c_void_p, c_int)
 
 
-class Callbacks2(Structure):
+class Callbacks2(ctypes.Structure):
     """fmi2CallbackFunctions."""
 
     _fields_ = (
@@ -162,16 +152,9 @@ class Callbacks:
         memory = _ALLOCATE(self._allocate), _FREE(self._free)
         self.functions = Callbacks2(self.logger2, *memory, _FINISHED(), self.environment)
 
-    def _log2(
-        self,
-        place: int | None,
-        _: bytes,
-        status: int,
-        category: bytes | None,
-        text: bytes | None,
-        *arguments: float,
-    ) -> None:
+    def _log2(self, place: int | None, _: bytes, status: int, *rest: Any) -> None:
         if len(self.messages) < MOST_MESSAGES:
+            category, text, *arguments = rest
             if text is not None:
                 known = ((v.kind, v.reference, v.name) for v in self.variables)
                 text = named(_word(formatted(text, arguments)) or "", known).encode()

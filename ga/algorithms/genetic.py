@@ -207,9 +207,8 @@ class GeneticAlgorithm(Optimiser):
 
     def _at_rest(self) -> bool:
         patience = self.settings.patience
-        return patience is not None and (
-            self._stale[0] >= patience or self._settled_for >= 2 * SETTLED
-        )
+        stale = self._stale[0]
+        return patience is not None and (stale >= patience or self._settled_for >= 2 * SETTLED)
 
     def _converged(self) -> str | None:
         if not self._at_rest():

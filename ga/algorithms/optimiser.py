@@ -92,10 +92,8 @@ class Optimiser(ABC):
         It is a CallOrderError when those asked for before have not been told.
         """
         if self._asked is not None:
-            raise CallOrderError(
-                f"ask was called twice; first tell the costs of the {len(self._asked)} "
-                "candidates already asked"
-            )
+            advice = f"first tell the costs of the {len(self._asked)} candidates already asked"
+            raise CallOrderError(f"ask was called twice; {advice}")
         self._asked = self._propose()
         return self._asked.copy()
 
@@ -118,16 +116,14 @@ class Optimiser(ABC):
         told = np.array(costs, dtype=float)
         notes = [""] * len(values) if reasons is None else list(reasons)
         if told.shape != (len(values),) or len(notes) != len(values):
-            raise CostError(
-                f"tell expects {len(values)} costs (and as many reasons), one per candidate asked, "
-                f"got costs of shape {told.shape} and {len(notes)} reasons"
-            )
+            wanted = f"{len(values)} costs (and as many reasons), one per candidate asked"
+            got = f"costs of shape {told.shape} and {len(notes)} reasons"
+            raise CostError(f"tell expects {wanted}, got {got}")
         for index in np.flatnonzero(np.isnan(told)):
             told[index], notes[index] = np.inf, notes[index] or NOT_A_NUMBER
         if (told < 0).any():
-            raise CostError(
-                f"costs must be 0 or above, because fitness is their inverse, got {told.min()}"
-            )
+            what = f"because fitness is their inverse, got {told.min()}"
+            raise CostError(f"costs must be 0 or above, {what}")
         self._record.add(values, told, notes)
         lowest = int(np.argmin(told))
         if self._best is None or told[lowest] < self._best.cost:
@@ -220,11 +216,9 @@ class Optimiser(ABC):
             raise CallOrderError("replay needs a new optimiser; this one has been asked before")
         for values, costs, reasons in checkpoint.unpack(self._head(), state):
             if not np.array_equal(self.ask(), values):
-                raise StateError(
-                    f"generation {self.generation + 1} of the checkpoint cannot be repeated; it "
-                    "was made with other versions of the packages or on another kind of "
-                    "processor; resume there or start afresh"
-                )
+                what = f"generation {self.generation + 1} of the checkpoint cannot be repeated"
+                why = "made with other versions of the packages or on another kind of processor"
+                raise StateError(f"{what}; it was {why}; resume there or start afresh")
             self.tell(costs, reasons)
 
     def _head(self) -> dict[str, Any]:

@@ -165,13 +165,7 @@ class Limits:
                 raise SettingsError(f"{field.name} must be above 0, or None, got {value!r}")
 
     def reached(
-        self,
-        *,
-        generations: int,
-        evaluations: int,
-        batch: int,
-        best: float,
-        stagnant: int,
+        self, *, generations: int, evaluations: int, batch: int, best: float, stagnant: int
     ) -> str | None:
         """Return which limit ends a run that has come so far, as a sentence, or None."""
         if self.target is not None and best <= self.target:

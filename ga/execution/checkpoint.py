@@ -105,20 +105,15 @@ def head(kind: str, problem: Problem, settings: Mapping[str, Any], seed: int) ->
 
 def pack(head: Mapping[str, Any], record: Record) -> dict[str, Any]:
     """Return plain data (dicts, lists, str, int, float, None) from a run's parts."""
-    return {
-        **head,
-        "evaluations": [
-            [e.generation, list(e.values), _finite(e.cost), e.reason] for e in record.evaluations
-        ],
-    }
+    told = ((e, None if e.cost == float("inf") else e.cost) for e in record.evaluations)
+    return {**head, "evaluations": [[e.generation, list(e.values), c, e.reason] for e, c in told]}
 
 
 def unpack(head: Mapping[str, Any], state: Mapping[str, Any]) -> Iterator[Told]:
     """Yield what was told, generation after generation."""
     if not isinstance(state, Mapping) or state.get("format") != FORMAT:
-        raise StateError(
-            f"this is no checkpoint of format {FORMAT}; it is damaged or from another version"
-        )
+        advice = "it is damaged or from another version"
+        raise StateError(f"this is no checkpoint of format {FORMAT}; {advice}")
     for part, expected in head.items():
         if expected != state.get(part):
             raise StateError(
@@ -126,16 +121,12 @@ def unpack(head: Mapping[str, Any], state: Mapping[str, Any]) -> Iterator[Told]:
                 f"expected {expected}; resume with those or start afresh"
             )
     try:
-        generations = [
-            (
-                np.array([values for _, values, _, _ in rows], dtype=float),
-                [_cost(cost) for _, _, cost, _ in rows],
-                [str(reason) for _, _, _, reason in rows],
-            )
-            for rows in (
-                list(group) for _, group in groupby(state["evaluations"], lambda row: row[0])
-            )
-        ]
+        generations = []
+        for _, group in groupby(state["evaluations"], lambda row: row[0]):
+            rows = list(group)
+            values = np.array([values for _, values, _, _ in rows], dtype=float)
+            costs = [_cost(cost) for _, _, cost, _ in rows]
+            generations.append((values, costs, [str(reason) for _, _, _, reason in rows]))
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise StateError(f"the checkpoint is damaged ({error!r}); start afresh") from error
     yield from generations
@@ -155,15 +146,9 @@ def read(path: Path, about: str) -> dict[str, Any]:
     if not isinstance(state, dict):
         raise StateError(f"{path}: this is no checkpoint, it holds no object; start afresh")
     if state.get("about", about) != about:
-        raise StateError(
-            f"{path}: the checkpoint is about {state['about']!r:.80}, expected {about!r}; resume "
-            "with that or start afresh"
-        )
+        what = f"expected {about!r}; resume with that or start afresh"
+        raise StateError(f"{path}: the checkpoint is about {state['about']!r:.80}, {what}")
     return state
-
-
-def _finite(cost: float) -> float | None:
-    return None if cost == float("inf") else cost
 
 
 def _cost(stored: float | None) -> float:

@@ -63,9 +63,8 @@ class DaskWorkers(Executor):
     def submit_all(self, fn: Callable[..., T], calls: Sequence[Sequence[Any]]) -> list[Any]:
         """Run a function with several lists of arguments, sent in one message."""
         self._turn += 1
-        return list(
-            self._client.map(fn, *zip(*calls, strict=True), pure=False, priority=-self._turn)
-        )
+        how = {"pure": False, "priority": -self._turn}
+        return list(self._client.map(fn, *zip(*calls, strict=True), **how))
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Run a function on one of the workers."""
@@ -237,7 +236,5 @@ def _require_reachable(address: str) -> None:
     except (OSError, ValueError, TypeError) as error:  # Dask's errors for an invalid address
         fault = str(error)
     if fault:
-        raise SettingsError(
-            f"no Dask scheduler at {address!r} ({fault}); expected the address of one that runs,"
-            " such as tcp://10.0.0.1:8786"
-        )
+        advice = "expected the address of one that runs, such as tcp://10.0.0.1:8786"
+        raise SettingsError(f"no Dask scheduler at {address!r} ({fault}); {advice}")

@@ -81,9 +81,7 @@ class Evaluator:
 
     def dismiss(self) -> None:
         """Cancel what was begun and is no longer wanted."""
-        cancel_all(
-            task.future for task in dict.fromkeys(place.task for place in self._begun.values())
-        )
+        cancel_all(task.future for task in {place.task: None for place in self._begun.values()})
         self._begun = {}
 
     def _send(self, rows: Array, executor: Executor, begins: bool) -> list[_Place]:

@@ -69,10 +69,8 @@ def executor(where: str = "threads", workers: int = 1) -> Iterator[Executor | No
         with cluster(where, workers) as dask:
             yield dask
     else:
-        raise SettingsError(
-            f"no workers {where!r}; expected threads, processes, local or the address of a Dask "
-            "scheduler such as tcp://10.0.0.1:8786"
-        )
+        what = "local or the address of a Dask scheduler such as tcp://10.0.0.1:8786"
+        raise SettingsError(f"no workers {where!r}; expected threads, processes, {what}")
 
 
 class Processes(Executor):

@@ -60,9 +60,8 @@ def learn(
     path = None if checkpoint is None else Path(checkpoint)
     if path is not None and path.exists():
         if not resume:
-            raise StateError(
-                f"{path}: holds an earlier learning run; resume it, or delete it to start again"
-            )
+            advice = "resume it, or delete it to start again"
+            raise StateError(f"{path}: holds an earlier learning run; {advice}")
         state = files.read(path, about)
         try:
             algorithm.replay(state)

@@ -31,9 +31,8 @@ def process_start() -> Iterator[None]:
                     " need a /dev/shm that can be written; use threads (--pool threads)"
                 ) from fault
             except AssertionError as fault:  # of multiprocessing, in a daemonic process
-                raise SettingsError(
-                    f"worker processes cannot be started: {fault}; use threads (--pool threads)"
-                ) from fault
+                what = f"worker processes cannot be started: {fault}"
+                raise SettingsError(f"{what}; use threads (--pool threads)") from fault
 
 
 @contextmanager

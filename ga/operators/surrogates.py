@@ -310,10 +310,8 @@ class Surrogates:
             lowest[index] = bowl(self._near.strings[:n], self._near.costs[:n])
         lowest[-1] = bottom(self._near.strings, self._near.costs)
         if self._sections is not None:
-            mine = np.flatnonzero(origins == SECTION)
-            for index, child in zip(
-                mine.tolist(), self._sections.propose(len(mine), rng), strict=True
-            ):
+            mine = np.flatnonzero(origins == SECTION).tolist()
+            for index, child in zip(mine, self._sections.propose(len(mine), rng), strict=True):
                 lowest[index] = child
         for index, child in enumerate(lowest):
             if child is not None:

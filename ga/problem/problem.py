@@ -45,14 +45,11 @@ class Gene:
             if not math.isfinite(value):
                 raise SettingsError(f"gene {self.name}: {field} must be finite, got {value}")
         if not self.lower < self.upper:
-            raise SettingsError(
-                f"gene {self.name}: lower must be below upper, got {self.lower} and {self.upper}"
-            )
+            what = f"lower must be below upper, got {self.lower} and {self.upper}"
+            raise SettingsError(f"gene {self.name}: {what}")
         if not self.lower <= self.start <= self.upper:
-            raise SettingsError(
-                f"gene {self.name}: start {self.start} is outside its bounds "
-                f"{self.lower} .. {self.upper}; widen them or move the start"
-            )
+            what = f"its bounds {self.lower} .. {self.upper}; widen them or move the start"
+            raise SettingsError(f"gene {self.name}: start {self.start} is outside {what}")
 
 
 Repair = Callable[[Array, Sequence[Gene]], Array]
@@ -83,10 +80,8 @@ class AtLeast:
                 raise SettingsError(f"AtLeast: no gene {name!r} among {', '.join(names)}")
         high, low = names.index(self.larger), names.index(self.smaller)
         if genes[high].upper < genes[low].lower:
-            raise SettingsError(
-                f"AtLeast: {self.larger} ends at {genes[high].upper}, below the lower bound "
-                f"{genes[low].lower} of {self.smaller}; widen the bounds"
-            )
+            what = f"below the lower bound {genes[low].lower} of {self.smaller}; widen the bounds"
+            raise SettingsError(f"AtLeast: {self.larger} ends at {genes[high].upper}, {what}")
         pair = values[:, [low, high]]
         repaired = values.copy()
         for column, chosen in ((high, pair.max(axis=1)), (low, pair.min(axis=1))):
@@ -108,9 +103,8 @@ class Problem:
     def __post_init__(self) -> None:
         object.__setattr__(self, "genes", tuple(self.genes))
         if not self.genes or len(set(self.names)) < len(self.names):
-            raise SettingsError(
-                f"genes must be one or more, each with its own name, got {self.names}"
-            )
+            what = "genes must be one or more, each with its own name"
+            raise SettingsError(f"{what}, got {self.names}")
 
     @property
     def names(self) -> list[str]:
@@ -128,9 +122,8 @@ class Problem:
             return values
         repaired = self.repair(values.copy(), self.genes)
         if repaired.shape != values.shape:
-            raise SettingsError(
-                f"repair must return the population's shape {values.shape}, got {repaired.shape}"
-            )
+            got = f"{values.shape}, got {repaired.shape}"
+            raise SettingsError(f"repair must return the population's shape {got}")
         lower, upper = np.array([(gene.lower, gene.upper) for gene in self.genes]).T
         return np.clip(repaired, lower, upper)
 
@@ -145,10 +138,9 @@ class Encoding:
         self._resolution = resolution
         for gene, log in zip(genes, self._log, strict=True):
             if log and gene.lower <= 0:
-                raise SettingsError(
-                    f"gene {gene.name}: log encoding needs a lower bound above 0, "
-                    f"got {gene.lower}; use linear=True, encoding='linear' or raise the bound"
-                )
+                what = f"log encoding needs a lower bound above 0, got {gene.lower}"
+                advice = "use linear=True, encoding='linear' or raise the bound"
+                raise SettingsError(f"gene {gene.name}: {what}; {advice}")
         self._origin = self._scale(self.lower)
         self._span = self._scale(self.upper) - self._origin
 

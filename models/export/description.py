@@ -262,6 +262,7 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
     size = table.get("size", ())
     start = _flat(table.get("start", 0.0))
     indices = _indices(size)
+    usual = None if role == "parameter" else units.NOMINAL.get(unit or "")
     minimum, maximum = units.parameter_range(table if role == "parameter" else {**_OPEN, **table})
     if len(start) not in (1, len(indices)):
         raise DescriptionError(f"{where}: {len(start)} start values for {len(indices)} elements")
@@ -276,9 +277,7 @@ def _variables(file: str, name: str, role: Role, table: dict[str, Any]) -> Itera
             start=start[place if len(start) > 1 else 0],
             minimum=minimum,
             maximum=maximum,
-            nominal=table.get(
-                "nominal", None if role == "parameter" else units.NOMINAL.get(unit or "")
-            ),
+            nominal=table.get("nominal", usual),
             is_output=role == "output" or table.get("output", False),
             depends=table.get("depends", {}),
             uses=tuple(table.get("uses", ())),

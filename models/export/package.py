@@ -155,10 +155,8 @@ def build_fmu(
     description = f"{note}. {model.description}" if note else model.description
     model = replace(model, name=checked_name(called or model.name), description=description)
     # The reference holds for the start values of model.toml and law.toml.
-    expected = not starts and presentation.reference_file(model) is not None
-    return pack_fmu(
-        model, folder, fmi=fmi, platforms=platforms, reference=expected, terminals=terminals
-    )
+    own = not starts and presentation.reference_file(model) is not None
+    return pack_fmu(model, folder, fmi=fmi, platforms=platforms, reference=own, terminals=terminals)
 
 
 def pack_fmu(
@@ -209,10 +207,8 @@ def model_of(fmu: Path) -> Model | None:
 
     Its sources tell: they are those of the model.
     """
-    with zipfile.ZipFile(fmu) as archive:
-        own = {
-            path: archive.read(path) for path in archive.namelist() if path.startswith("sources")
-        }
+    with zipfile.ZipFile(fmu) as file:
+        own = {path: file.read(path) for path in file.namelist() if path.startswith("sources")}
     names = [match[1] for path in own if (match := re.match(r"sources/laws/(\w+)/law\.c", path))]
     for name, folder in _folders().items():
         if own.get("sources/model.c") != (folder / "model.c").read_bytes():

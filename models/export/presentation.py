@@ -45,10 +45,8 @@ _TILE, _INK = "#f0f4f8", "#183e60"
 
 def svg(lines: Sequence[Line]) -> str:
     """Return the icon as SVG."""
-    points = [
-        " ".join(f"{x:g},{y:g}" for x, y in zip(line[::2], line[1::2], strict=True))
-        for line in lines
-    ]
+    pairs = [zip(line[::2], line[1::2], strict=True) for line in lines]
+    points = [" ".join(f"{x:g},{y:g}" for x, y in each) for each in pairs]
     paths = "".join(f'<polyline points="{each}"/>' for each in points)
     inside = 100 - 2 * _EDGE
     return (

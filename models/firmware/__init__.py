@@ -103,7 +103,7 @@ def _write(
         files[f"{name}.st"] = "\n".join(texts)
     if rotary:
         files = {file: _COMMENT.sub(_of_rotary, text) for file, text in files.items()}
-    lines = [*map(_harmless, notes), *_memory(blocks)]
+    lines = [*map(_harmless, notes), _memory(blocks)]
     begin, mark, end = ("/*", " * ", " */") if is_c else ("(*", "   ", "*)")
     head = "\n".join([begin, *(f"{mark}{line}" for line in lines), end, ""])
     headed = f"{name}{'.h' if is_c else '.st'}"
@@ -118,16 +118,15 @@ def _harmless(line: str) -> str:
     return re.sub(r"\*(?=[/)])|(?<=[/(])\*", "x", printable(line))
 
 
-def _memory(blocks: Sequence[Model]) -> list[str]:
+def _memory(blocks: Sequence[Model]) -> str:
     """Return what a call of the code takes in 64-bit floating point."""
     roles: tuple[Role, ...] = ("state", "memory", "parameter")
     state, memory, parameters = (
         8 * sum(prod(size) for block in blocks for _, size in block.fields.get(role, ()))
         for role in roles
     )
-    return [
-        f"Memory: {state + memory} bytes of state and {parameters} bytes of parameters in 64 bits."
-    ]
+    state += memory
+    return f"Memory: {state} bytes of state and {parameters} bytes of parameters in 64 bits."
 
 
 def _of_rotary(comment: re.Match[str]) -> str:

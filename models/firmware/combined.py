@@ -32,10 +32,8 @@ def _wired(blocks: Sequence[Model]) -> Iterator[tuple[Model, dict[str, str], str
     for block in blocks:
         inputs, outputs = ([name for name, _ in block.fields[r]] for r in ("input", "output"))
         if other := [name for name in inputs if name not in sources]:
-            raise UnknownModel(
-                f"{block.title} cannot stand behind one call: {other[0]!r} is not among its inputs "
-                f"{', '.join(sources)}"
-            )
+            what = f"{other[0]!r} is not among its inputs {', '.join(sources)}"
+            raise UnknownModel(f"{block.title} cannot stand behind one call: {what}")
         force = f"{block.name}.{'F_ff' if 'F_ff' in outputs else 'F'}"
         yield block, {name: sources[name] for name in inputs}, force
         sources["F_in"] = force
@@ -61,9 +59,8 @@ def combined_c(blocks: Sequence[Model]) -> dict[str, str]:
         target, last = f"&c->{block.name}", _PART.sub(r"c->\1.outputs.\2", force)
         begin.append(f"    {block.name}_init({', '.join([target, *values])});\n")
         h = [] if block.sampled else [f"({real})1"]  # its force does not depend on h
-        step.append(
-            f"    finite = {block.name}_step({', '.join([target, *h, *values])}) && finite;\n"
-        )
+        given_step = ", ".join([target, *h, *values])
+        step.append(f"    finite = {block.name}_step({given_step}) && finite;\n")
     end = f"    c->F = {last};\n"
     idle = "".join(f"    (void){name};\n" for name in SIGNALS if name not in used_signals(blocks))
     prototype = {one: f"{one}({struct} *c{arguments})" for one in ("init", "step")}
@@ -105,10 +102,7 @@ def combined_st(blocks: Sequence[Model]) -> str:
         [
             "(* Call it once in each period of the controller. The first call begins at rest. *)",
             f"FUNCTION_BLOCK {ADDED_FORCE.capitalize()}\nVAR_INPUT",
-            *(
-                f"    {name} : LREAL; (* [{unit}] {text} *)"
-                for name, (unit, text) in SIGNALS.items()
-            ),
+            *(f"    {name} : LREAL; (* [{of}] {said} *)" for name, (of, said) in SIGNALS.items()),
             f"END_VAR\nVAR_OUTPUT\n    F : LREAL; (* {RESULT} *)",
             "    valid : BOOL; (* FALSE: do not use F *)\nEND_VAR\nVAR",
             *kinds,

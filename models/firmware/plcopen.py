@@ -16,13 +16,7 @@ _UNIT = re.compile(
 )
 _ARRAY = re.compile(r"ARRAY\[(\d+)\.\.(\d+)\] OF (\w+);")
 _SECTION = re.compile(r"^VAR(|_INPUT|_OUTPUT|_IN_OUT)\n(.*?)^END_VAR\n", re.DOTALL | re.MULTILINE)
-_SECTIONS = dict(
-    zip(
-        ("", "_INPUT", "_OUTPUT", "_IN_OUT"),
-        ("localVars", "inputVars", "outputVars", "inOutVars"),
-        strict=True,
-    )
-)
+_PARTS = {"": "localVars", "_INPUT": "inputVars", "_OUTPUT": "outputVars", "_IN_OUT": "inOutVars"}
 _VARIABLE = re.compile(rf"^ +(\w+) : (\w+)(?: := (.*?))?;(?: {_COMMENT})?$", re.MULTILINE)
 _ELEMENTARY = ("LREAL", "INT", "DINT", "BOOL")
 _DATE = "1980-01-01T00:00:00"  # of every file, so that the same code gives the same bytes
@@ -59,7 +53,7 @@ def plcopen_text(name: str, text: str) -> str:
         if returned:
             _type(_add(interface, "returnType"), returned)
         for section, declared in _SECTION.findall(body):
-            _variables(_add(interface, _SECTIONS[section]), declared)
+            _variables(_add(interface, _PARTS[section]), declared)
         _text(_add(_add(pou, "body"), "ST"), _SECTION.sub("", body))
         if comment:
             _text(_add(pou, "documentation"), comment.strip())

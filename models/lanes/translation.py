@@ -11,8 +11,6 @@ back at the end of its block.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from pycparser import c_ast
@@ -102,18 +100,14 @@ class Translation:
                         self.structs[node.name] = self.structs[other]
                         self.lines.append(f"typedef {other} {node.name};")
                 case c_ast.Decl(type=c_ast.Enum(values=values)):
-                    self.names |= dict.fromkeys(
-                        (v.name for v in values.enumerators), Type("int64_t")
-                    )
-                    self.lines.append(f"enum {{ {', '.join(map(self._enumerator, values))} }};")
+                    self.names |= {v.name: Type("int64_t") for v in values.enumerators}
+                    each = (f"{one.name} = {spelt(one.value)}" for one in values)
+                    self.lines.append(f"enum {{ {', '.join(each)} }};".replace("(double)", "(V)"))
                 case c_ast.Decl(type=c_ast.TypeDecl(), init=c_ast.Node()):
                     self.names[node.name] = Type("double")
                     self.lines.append(f"{spelt(node)};")
                 case c_ast.FuncDef() if node.decl.name in (*order, "law_scaled"):
                     self.lines += _Function(self, node).lines
-
-    def _enumerator(self, node: c_ast.Enumerator) -> str:
-        return f"{node.name} = {spelt(node.value).replace('(double)', '(V)')}"
 
     def _struct(self, name: str, members: list[c_ast.Decl]) -> None:
         own = {one.name: self.type_of(one.type) for one in members}
@@ -128,8 +122,7 @@ class Translation:
         """Return the type of a declaration, in lanes."""
         sizes = []
         while isinstance(node, c_ast.ArrayDecl):
-            size = spelt(node.dim) if node.dim else ""
-            sizes.append(size)
+            sizes.append(spelt(node.dim) if node.dim else "")
             node = node.type
         is_pointer = isinstance(node, c_ast.PtrDecl)
         if is_pointer:
@@ -163,18 +156,14 @@ class _Function:
         self.counters: set[str] = set()
         self.unions: dict[str, dict[str, Type]] = {}
         self.fresh = 0
-        self.lines: list[str] = []
         self.blocks = [_Block(0)]
         parameters = ", ".join(declared(t, one.name) for one, t in zip(given, types, strict=True))
         head = f"INLINE {self.returns.name} {self.name}(M live, {parameters}) {{"
         self.masked = sum(1 for one in walk(node.body) if isinstance(one, c_ast.Return)) > 1
-        body = node.body.block_items or []
-        self.lines = [head]
-        for one in self.known:
-            self.lines.append(f"(void){one};")
+        self.lines = [head, *(f"(void){one};" for one in self.known)]
         if self.masked and self.returns.name != "void":
             self.lines.append(f"{self.returns.name} result = {{0}};")
-        self._statements(body)
+        self._statements(node.body.block_items or [])
         if self.masked and self.returns.name != "void":
             self.lines.append("return result;")
         self.lines.append("}")
@@ -273,9 +262,8 @@ class _Function:
         if sign in ("<<", ">>"):
             return Text(f"({left.text} {sign} {right.text})", left.type)
         if {left.type.lanes, right.type.lanes} == {"M"}:
-            return Text(
-                f"({left.to('M')} {'^' if sign == '!=' else '^ ~'} {right.to('M')})", Type("M")
-            )
+            sign = "^" if sign == "!=" else "^ ~"
+            return Text(f"({left.to('M')} {sign} {right.to('M')})", Type("M"))
         if sign == "/" and left.type.name == "U" and right.text == "3":
             return Text(f"third({left.text})", left.type)
         common = max(left.type.lanes, right.type.lanes, key=_ORDER.index)
@@ -303,18 +291,14 @@ class _Function:
         mask, value = self.another("chosen"), self.another("value")
         yes, no = self.expression(node.iftrue), self.expression(node.iffalse)
         name = _VECTORS.get(common := self._common(yes, no), common)
+        where, before = self._mask(mask, name), f"before_{mask}"
         lines = [
-            f"const M {mask} = {condition.text}, before_{mask} = live; {name} {value} = {{0}};"
+            f"const M {mask} = {condition.text}, {before} = live; {name} {value} = {{0}};",
+            f"live = {before} & {mask}; if (any(live)) {value} = {yes.to(name)};",
+            f"live = {before} & ~{mask};",
+            f"if (any(live)) {value} = {where} ? {value} : {no.to(name)}; live = {before};",
         ]
-        lines += [f"live = before_{mask} & {mask}; if (any(live)) {value} = {yes.to(name)};"]
-        where = self._mask(mask, name)
-        lines += [
-            f"live = before_{mask} & ~{mask};"
-            f" if (any(live)) {value} = {where} ? {value} : {no.to(name)};"
-        ]
-        return Text(
-            f"__extension__({{ {' '.join(lines)} live = before_{mask}; {value}; }})", Type(name)
-        )
+        return Text(f"__extension__({{ {' '.join(lines)} {value}; }})", Type(name))
 
     def _common(self, yes: Text, no: Text) -> str:
         names = {yes.type.lanes, no.type.lanes}
@@ -378,26 +362,17 @@ class _Function:
         """Add a line."""
         self.lines.append(line)
 
-    @contextmanager
-    def _narrowed(self) -> Iterator[None]:
-        """Let statements have a mask that may be smaller than that around them."""
-        self.depth += 1
-        yield
-        self.depth -= 1
-
     def _statements(self, nodes: list[c_ast.Node]) -> None:
         self.blocks.append(_Block(self.depth))
         for node in nodes:
             self._statement(node)
-        for line in self.blocks.pop().copies:
-            self.emit(line)
+        self.lines += self.blocks.pop().copies
 
     def _block(self, node: c_ast.Node | None) -> None:
         self.emit("{")
         known, depths = dict(self.known), dict(self.depths)
-        self._statements(
-            list(node or ()) if node is None or isinstance(node, c_ast.Compound) else [node]
-        )
+        is_block = node is None or isinstance(node, c_ast.Compound)
+        self._statements(list(node or ()) if is_block else [node])
         self.known, self.depths = known, depths
         self.emit("}")
 
@@ -416,10 +391,8 @@ class _Function:
             case c_ast.Assignment(op="=", lvalue=target, rvalue=value):
                 self._assign(target, self.expression(value))
             case c_ast.Assignment(op=operator, lvalue=target, rvalue=value):
-                changed = self._binary(
-                    operator[:-1], self.expression(target), self.expression(value)
-                )
-                self._assign(target, changed)
+                both = self.expression(target), self.expression(value)
+                self._assign(target, self._binary(operator[:-1], *both))
             case c_ast.UnaryOp(op="p++" | "++" | "p--" | "--" as operator, expr=target):
                 one = Text("1", Type("int64_t"))
                 self._assign(target, self._binary(operator[-1], self.expression(target), one))
@@ -454,9 +427,7 @@ class _Function:
             place = self.expression(init.subscript)
             if place.type.name != "int64_t":
                 copy, back = self._copied(init, place)
-                for line in copy[1:]:
-                    self.emit(line)
-                self.emit(f"V *{name} = {copy[0]};")
+                self.lines += [*copy[1:], f"V *{name} = {copy[0]};"]
                 self.blocks[-1].copies += [] if type_.is_const else [back]
                 self.known[name] = type_
                 return
@@ -541,14 +512,15 @@ class _Function:
         mask = self.another("if")
         self.emit(f"{{ const M {mask} = {condition.text}, before_{mask} = live;")
         self.emit(f"live = before_{mask} & {mask};")
-        with self._narrowed():
-            self._branch(node.iftrue)
-            if node.iffalse:
-                self.emit(f"const M after_{mask} = live; live = before_{mask} & ~{mask};")
-                self._branch(node.iffalse)
-                self.emit(f"live |= after_{mask};")
-            else:
-                self.emit(f"live |= before_{mask} & ~{mask};")
+        self.depth += 1
+        self._branch(node.iftrue)
+        if node.iffalse:
+            self.emit(f"const M after_{mask} = live; live = before_{mask} & ~{mask};")
+            self._branch(node.iffalse)
+            self.emit(f"live |= after_{mask};")
+        else:
+            self.emit(f"live |= before_{mask} & ~{mask};")
+        self.depth -= 1
         self.emit("}")
 
     def _branch(self, node: c_ast.Node) -> None:
@@ -575,9 +547,8 @@ class _Function:
             self._statement(init)
         counted &= {n for n in self.known if self.known[n].name in ("int64_t", "uint64_t")}
         condition = self.condition(cond) if cond is not None else Text("true", Type("bool"))
-        ends = any(
-            isinstance(one, c_ast.Break | c_ast.Return | c_ast.Continue) for one in walk(body)
-        )
+        leaving = c_ast.Break | c_ast.Return | c_ast.Continue
+        ends = any(isinstance(one, leaving) for one in walk(body))
         if condition.type.name == "bool" and not ends and stepped <= counted:
             text = spelt(step) if step else ""
             self.emit(f"for (; {condition.text}; {text})")
@@ -595,14 +566,15 @@ class _Function:
         goes = self.another("goes")
         self.emit(f"const M {goes} = live & {condition.to('M')};")
         self.emit(f"left_lanes |= live & ~{goes}; live = {goes}; if (!any(live)) break;")
-        with self._narrowed():
-            self._block(body)
-            self.emit("live |= later_lanes;")
-            for one in step.exprs if isinstance(step, c_ast.ExprList) else [step] if step else []:
-                if _root(one) in counted:
-                    self.emit(f"{spelt(one)};")
-                else:
-                    self._statement(one)
+        self.depth += 1
+        self._block(body)
+        self.emit("live |= later_lanes;")
+        for one in step.exprs if isinstance(step, c_ast.ExprList) else [step] if step else []:
+            if _root(one) in counted:
+                self.emit(f"{spelt(one)};")
+            else:
+                self._statement(one)
+        self.depth -= 1
         self.emit("} live = left_lanes;")
 
 

@@ -16,7 +16,6 @@ MOST = 800  # points of a signal that are drawn
 COLOURS = ["#2f7fb8", "#e07b00", "#3a9a5b", "#9a6fb8", "#c9503c", "#7a7f87"]
 INK, LINE = "#868b92", "#868b9255"  # legible on light and dark
 
-
 NUMBER = "v => isNaN(v) || !v || (1e-3 <= Math.abs(v) && Math.abs(v) < 1e5) ? v : v.toExponential()"
 LABEL = {"color": INK, "hideOverlap": True, ":formatter": NUMBER}
 SHORT = {"left": 64, "right": 20, "top": 10, "bottom": 42}

@@ -195,10 +195,7 @@ class Job:
 
 
 def export(learned: Path, part: str, form: str, folder: Path) -> list[Path]:
-    """Export a part of a learned drive as the command does, and return the files.
-
-    Raises RuntimeError with the line that the command prints.
-    """
+    """Export a part as the command does, and return the files; raise RuntimeError with its line."""
     words = ["export", part, "--parameters", str(learned), "--as", form, "--out", str(folder)]
     done = subprocess.run(
         [sys.executable, "-m", "stickslip", *words], capture_output=True, text=True, check=False

@@ -1,7 +1,5 @@
 """The part of the page that learns from a log."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path

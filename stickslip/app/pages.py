@@ -1,7 +1,5 @@
 """The page of the workbench: each tab of the browser has one, with a state of its own."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from nicegui import ui

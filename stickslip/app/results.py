@@ -1,7 +1,5 @@
 """The part of the page that shows results, several of them side by side."""
 
-from __future__ import annotations
-
 from nicegui import ui
 
 import stickslip as ss

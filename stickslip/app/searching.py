@@ -1,7 +1,5 @@
 """The parts of the page that start searches: of one loop, and of all compensators in an arena."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The server of the workbench: for the browser of this machine, and for whom has the token."""
 
-from __future__ import annotations
-
 import secrets
 import socket
 from collections.abc import Callable
@@ -68,10 +66,7 @@ class Guard:
 
 
 def serve(folder: Path, port: int, announce: Callable[[str], object]) -> None:
-    """Serve the workbench of a folder until it is interrupted, at the address that is announced.
-
-    Raises OSError for a port in use.
-    """
+    """Serve a folder's workbench until interrupted, at the address that is announced."""
     listener = socket.create_server(("127.0.0.1", port))
     port, token = listener.getsockname()[1], secrets.token_urlsafe(24)
     workbench, web = Workbench(folder), FastAPI(docs_url=None, redoc_url=None, openapi_url=None)

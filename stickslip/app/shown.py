@@ -1,7 +1,5 @@
 """What parts of the page have in common: messages, jobs and folders of results."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import tempfile

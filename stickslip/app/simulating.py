@@ -1,7 +1,5 @@
 """The part of the page that runs an FMU or a system while its parameters are moved."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from nicegui import ui

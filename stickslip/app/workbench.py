@@ -1,7 +1,5 @@
 """What all pages of the workbench share: the folder, and the jobs."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterable
 from contextlib import suppress

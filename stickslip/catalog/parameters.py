@@ -32,10 +32,7 @@ def unseen(value: float) -> Estimate:
 
 
 def correlation_length(residual: Array, lags: int | None = None) -> float:
-    """Return how many neighbouring samples say the same: 1 for white noise.
-
-    The sum of the autocorrelation up to its first value below 0.05, or so many lags, both sides.
-    """
+    """Return how many neighbouring samples say the same by autocorrelation; 1 for white noise."""
     centred = residual - residual.mean()
     power = np.abs(np.fft.rfft(centred, 2 * len(centred))) ** 2
     correlation = np.fft.irfft(power)[: len(centred)][:lags]
@@ -79,14 +76,9 @@ DRIVE = {
 """The parameters that every drive has, whatever its friction law."""
 
 PAPER = {
-    "m": 5.557,
-    "b": 6.6135,
-    "F_s": 8.999,
-    "F_c": 5.999,
-    "v_s": 0.00055697,
-    "sigma_0": 3.9162e5,
+    "m": 5.557, "b": 6.6135, "F_s": 8.999, "F_c": 5.999, "v_s": 0.00055697, "sigma_0": 3.9162e5,
     "sigma_1": 4.4248e3,
-}
+}  # fmt: skip
 """Table 2 of the paper. It prints b in Nm/sec, which must read N s/m."""
 
 
@@ -151,11 +143,7 @@ def start_unit(name: str, *, rotary: bool = False) -> str:
 
 @cache
 def force_and_length_of(name: str) -> tuple[int, int]:
-    """Return the powers of the units of force and length in a parameter or controller gain.
-
-    The unit of a gain is the one that the controller's model.toml gives; a value that is not known
-    has neither.
-    """
+    """Return the powers of force and length in a parameter or controller gain; else 0."""
     gains = {v.name: v.unit for v in models.load_model("velocity_controller").variables}
     try:
         return parameter(name).force, parameter(name).length
@@ -166,7 +154,6 @@ def force_and_length_of(name: str) -> tuple[int, int]:
 LUGRE = estimated(friction_law())  # the parameters of the paper's compensator
 
 UNITS = {name: unit_of(name) for name in PAPER}  # units of Table 2
-
 
 Array = NDArray[np.float64]
 Values = Mapping[str, float]

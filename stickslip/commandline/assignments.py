@@ -51,11 +51,7 @@ def split_assignments(
 
 
 def drive_changes(texts: Iterable[str]) -> dict[str, float | str]:
-    """Return the assignments to ``drive.NAME`` without their prefix.
-
-    All are numbers but ``law``, the name of the drive's friction law. Raises UsageError when
-    another component is named, or a value is not a number.
-    """
+    """Return the assignments to ``drive.NAME`` by NAME, all numbers but ``law``; or raise."""
     changes: dict[str, float | str] = {}
     for name, value in split_assignments(texts).items():
         if name == "drive.law":

@@ -21,7 +21,6 @@ from stickslip.planning import LINEAR, Limits
 if TYPE_CHECKING:
     from stickslip.rigs.contract import Rig
 
-
 MOTIONS = "motions"  # Folder, within that of the results, of the logs of a rig
 
 
@@ -89,10 +88,7 @@ def log_of(options: argparse.Namespace) -> Path:
 
 
 def one_of(what: str, *given: Path | None, folder: bool = False) -> Path:
-    """Return the one path that is given.
-
-    Raises UsageError when there is none, or more than one, or OSError when the file is not there.
-    """
+    """Return the one path that is given; raise UsageError when it is not one, or OSError."""
     paths = [path for path in given if path is not None]
     if len(paths) != 1:
         got = " and ".join(map(str, paths)) or "none"
@@ -103,10 +99,7 @@ def one_of(what: str, *given: Path | None, folder: bool = False) -> Path:
 
 
 def add_log_options(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
-    """Declare what describes a log: a TOML file, or options that go before it.
-
-    Returns the group of the controller's options.
-    """
+    """Declare what describes a log, options before a TOML file; return the controller's group."""
     group = parser.add_argument_group(
         "the log",
         f"ROLE is one of {', '.join(ROLES)}. Options override the file given by --config.",

@@ -1,7 +1,4 @@
-"""Progress on a terminal: a line for each stage, and a bar with the remaining time.
-
-In a pipe stages are printed with ``-v`` only.
-"""
+"""Progress on a terminal: stages, and a bar; in a pipe stages are printed with ``-v`` only."""
 
 from __future__ import annotations
 

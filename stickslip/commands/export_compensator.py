@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from stickslip.servo.systems import Compensator
     from stickslip.servo.velocity_loop import VelocityLoop
 
-
 NAME = "compensator"  # of the command, of what it writes, and of the model that evaluates any law
 MOST_SAMPLES = 10_000_000  # of a validation command
 
@@ -108,7 +107,7 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
 
     path, loop = learned.path, learned.loop
     refusal = f"learn refused it: {learned.refusal}" if learned.refusal else ""
-    if loop is None and not learned.is_tried:
+    if loop is None and not learned.document.get("tracking_error"):
         refusal = refusal or "it contains neither a loop to try this compensator in nor a trial"
     if refusal and not force:
         raise HarmfulError(f"{path}: {refusal}; --force exports it anyway")

@@ -58,10 +58,7 @@ def run(options: argparse.Namespace) -> Answer:
 
 
 def _room(package: Path) -> Path:
-    """Return the folder of a kind: that of its package in a clone, else one of the user.
-
-    An installation is replaced as a whole when it is updated.
-    """
+    """Return the folder of a kind: that of a clone, else one of the user, which updates leave."""
     return package if _CLONE.exists() else own_folder() / package.name
 
 

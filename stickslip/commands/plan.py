@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-
 _OPTIONS = {
     "stroke": ("position", "M", "distance between the two farthest positions"),
     "speed": ("velocity", "M/S", "highest speed"),

@@ -64,29 +64,17 @@ class TunedEntrant:
     # parameters of the controller's nonlinear damping; empty for none
     damping: Mapping[str, float] = field(default_factory=dict)
 
-    @property
-    def linear_loops(self) -> list[VelocityLoop]:
-        """The loops between which nonlinear damping moves, undamped first.
-
-        Raises ControlError when one is unstable.
-        """
-        if not self.damping:
-            return [self.loop]
-        return [self.loop, regulated(self.loop, K_p=self.loop.K_p + self.damping["gamma_v"])]
-
     def robustness(
         self, response: ChainResponse, friction: float, m: float | None = None
     ) -> Robustness:
-        """Return the worst robustness of its linear loops.
+        """Return the worst robustness of the loops between which nonlinear damping moves.
 
-        Parameters
-        ----------
-        friction : force of sliding [N]
-        m : true mass [kg], by default that of the loop's axis
+        Friction is that of sliding [N], m the true mass [kg]; raises ControlError.
         """
-        return Robustness.worst(
-            [response.of(loop, self.parameters, friction, m) for loop in self.linear_loops]
-        )
+        loops = [self.loop]
+        if self.damping:
+            loops.append(regulated(self.loop, K_p=self.loop.K_p + self.damping["gamma_v"]))
+        return Robustness.worst([response.of(one, self.parameters, friction, m) for one in loops])
 
 
 Design = Callable[[Mapping[str, float], VelocityLoop, Coarse, Datasheet], dict[str, float]]
@@ -121,10 +109,7 @@ def composite(genes: Mapping[str, float], loop: VelocityLoop) -> dict[str, float
 
 
 def regulated(loop: VelocityLoop, **gains: float) -> VelocityLoop:
-    """Return a loop with other gains of its controller: K_p [N s/m], K_i [N/m], K_x [1/s].
-
-    Raises ControlError when it is unstable.
-    """
+    """Return a loop with other gains [N s/m, N/m, 1/s]; raise ControlError when it is unstable."""
     return loop.changed(velocity_filter=None, velocity_feedforward=1.0, **gains)
 
 
@@ -357,10 +342,7 @@ class Entrant:
     def tuned(
         self, genes: Mapping[str, float], loop: VelocityLoop, coarse: Coarse, sheet: Datasheet
     ) -> TunedEntrant:
-        """Return the loop and the parameters of the chain for values of the genes.
-
-        Raises ControlError when the gains leave the loop unstable.
-        """
+        """Return loop and parameters of the chain for values of the genes; raise ControlError."""
         values, damping = dict[str, float](), dict[str, float]()
         loop = self.base(loop)
         for part in self.parts:
@@ -407,10 +389,7 @@ def parts() -> dict[str, Part]:
 
 
 def default_names() -> list[str]:
-    """Return the names of all entrants: every part that adds a force, then the combinations.
-
-    Each that leaves the gains of the controller as designed also competes with tuned gains.
-    """
+    """Return the names of all entrants: parts, combinations, and both with tuned gains as well."""
     tables = content()
     alone = [name for name in part_names() if name not in tables["behind"]]
     names = [*alone, *tables["combinations"]]
@@ -420,11 +399,7 @@ def default_names() -> list[str]:
 
 
 def entrant(name: str, further: Mapping[str, Part] | None = None) -> Entrant:
-    """Return an entrant by its name.
-
-    Raises UsageError when one of its parts is unknown, or cannot follow the one before it.
-    ``further`` are parts of the user.
-    """
+    """Return an entrant by its name, of known parts and those of the user; raise UsageError."""
     known = {**parts(), **(further or {})}
     require_parts(name, further or ())
     found = Entrant(tuple(known[word] for word in name.split("+")))

@@ -28,10 +28,7 @@ def part_names() -> tuple[str, ...]:
 
 
 def require_parts(name: str, further: Iterable[str] = ()) -> None:
-    """Raise UsageError where a part of a compensator is unknown, such as ``ekbf`` of ``dahl+ekbf``.
-
-    ``further`` are parts of the user.
-    """
+    """Raise UsageError where a part, such as ``ekbf`` of ``dahl+ekbf``, is unknown."""
     known = {*part_names(), *further}
     for word in name.split("+"):
         if word not in known:

@@ -175,10 +175,7 @@ def _left_out(drive: Drive, values: dict[str, float], used: Collection[str]) -> 
 
 
 def _waves(values: dict[str, float]) -> str:
-    """Return forces that depend on the position as sines of it, each a motor without current.
-
-    F_0 is one of wave number 0.
-    """
+    """Return forces that are sines of the position, each a motor; F_0 is one of wave number 0."""
     waves = {"constant": (-values.get("F_0", 0.0), 0.0, 0.5 * math.pi)}
     return "".join(
         _WAVE.format(name=name, size=size, number=number, phase=phase)

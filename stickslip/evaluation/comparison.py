@@ -66,10 +66,7 @@ def evaluate(
     phases: Sequence[float] = ONCE,
     workers: int = 1,
 ) -> Evaluation:
-    """Run each motion with each entry at each phase. It may use the true values.
-
-    ``workers`` motions run side by side.
-    """
+    """Run each motion with each entry at each phase, ``workers`` motions side by side."""
     commands = [motion.command.sample(rig.samples(motion.duration)) for motion in motions]
     top = max(float(np.max(np.abs(v_cmd))) for v_cmd in commands)
 
@@ -106,10 +103,7 @@ def _runs(
 
 
 def motion_errors(run: Run, motion: Motion, top: float) -> dict[Key, float]:
-    """Return the errors by the columns of ``KEYS``, in the unit that is stated.
-
-    ``top`` is the largest velocity that is commanded in any motion [m/s].
-    """
+    """Return the errors by the columns of ``KEYS``; ``top`` is the largest command of any [m/s]."""
     errors = {
         (motion.name, region, velocity, metric, "mm/s"): 1e3 * value
         for (velocity, region, metric), value in velocity_errors(run, motion.regions).items()

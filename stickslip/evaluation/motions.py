@@ -25,7 +25,6 @@ VALIDATION = Trapezoid(height=0.040, slope=0.055, plateau=0.5, begin=0.1)
 
 REGION = (0.030, 0.070)  # evaluated windows after motion starts or reverses, from when to when [s]
 
-
 Span = tuple[float, float]  # from when to when [s]
 Regions = Mapping[str, tuple[Span, ...]]  # by name, the spans of time over which errors are taken
 

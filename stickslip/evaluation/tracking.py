@@ -5,8 +5,6 @@ of any kind, runs the drive FMU with the learned values along the log's commands
 force depends on the command only, so it is computed first and added to the controller's.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
@@ -41,7 +39,7 @@ class TrackingError:
     position_max: float  # [m]
 
     @classmethod
-    def of(cls, velocity: Array, position: Array) -> TrackingError:
+    def of(cls, velocity: Array, position: Array) -> "TrackingError":
         """Return it for errors (n,) of velocity [m/s] and position [m]."""
         return cls(*_size(velocity), *_size(position))
 
@@ -142,10 +140,7 @@ class SimulatedMotion:
 
 
 def commanded_velocity(recording: Recording) -> Array:
-    """Return the velocity command (n,) [m/s], or the derivative of the position command.
-
-    Raises UsageError when neither was logged.
-    """
+    """Return the velocity command (n,) [m/s], or the derivative of that of position, or raise."""
     received = recording.controller_inputs.get("v_cmd")
     if received is not None:
         return received
@@ -172,21 +167,13 @@ def commanded_position(recording: Recording) -> Array:
 
 
 def simulate(
-    fmus: Path,
-    recording: Recording,
-    gains: Mapping[str, float],
+    fmus: Path,  # folder of the candidate's FMUs, see ``candidate_fmus``
+    recording: Recording,  # gives commands, start and the encoder's steps
+    gains: Mapping[str, float],  # of the controller FMU by name
     drive: LearnedDrive,
-    force_limit: float | None = None,
+    force_limit: float | None = None,  # of motor or amplifier [N]
 ) -> dict[str, SimulatedMotion]:
-    """Return the motion of the drive by variant: without and with compensator, without friction.
-
-    Parameters
-    ----------
-    fmus : folder of the candidate's FMUs, see ``candidate_fmus``
-    recording : gives commands, start and the encoder's steps
-    gains : of the controller FMU by name
-    force_limit : of motor or amplifier [N]
-    """
+    """Return the motion of the drive by variant: without and with compensator, without friction."""
     case = _Case(recording, gains, drive, force_limit)
     force = case.scale.force * feedforward(recording, drive)
     # What the drive holds by its position acts without a compensator, and is cancelled with it.
@@ -210,10 +197,7 @@ def remedied(
     drive: LearnedDrive,
     force_limit: float | None = None,
 ) -> dict[str, SimulatedMotion]:
-    """Return the motion without friction by what is changed in the loop; see ``simulate``.
-
-    Changes with which the loop runs away are left out.
-    """
+    """Return the motion without friction by what is changed in the loop, if it stays stable."""
     case = _Case(recording, gains, drive, force_limit)
     found: dict[str, SimulatedMotion] = {}
     v_cmd = commanded_velocity(case.recording)
@@ -274,9 +258,10 @@ def feedforward(recording: Recording, drive: LearnedDrive) -> Array:
         return np.zeros_like(recording.t)
     v = commanded_velocity(recording)
     lead = 0.0
-    if drive.reference is not None:
-        lead = drive.reference.axis.tau_i
-        v = _response(drive.reference, recording.t, v)
+    if (loop := drive.reference) is not None:  # it may sample at other times
+        lead, t = loop.axis.tau_i, recording.t
+        own = np.arange(round(t[-1] / loop.T_s) + 1) * loop.T_s
+        v = np.interp(t, own, loop.response(np.interp(own, t, v))[0])
         v = np.append(v[1:], v[-1])  # of the end of the step
     law = (one.law or drive.law) if models.load_model(one.model).law else None
     fixed = {name: x for name, x in one.ports.axis.items() if not isinstance(x, str)}
@@ -290,10 +275,3 @@ def feedforward(recording: Recording, drive: LearnedDrive) -> Array:
         with system.prepare(step=recording.T_s, stop=stop, record=(output,)) as simulation:
             shown = simulation.run({}, {"v": v})[output]
     return np.append(shown[1:], shown[-1])  # row n + 1 shows the force from sample n on
-
-
-def _response(loop: VelocityLoop, t: Array, v_cmd: Array) -> Array:
-    """Return the velocity (n,) [m/s] of a loop without friction; it may sample at other times."""
-    own = np.arange(round(t[-1] / loop.T_s) + 1) * loop.T_s
-    inputs = np.interp(own, t, v_cmd)
-    return np.interp(t, own, loop.response(inputs)[0])

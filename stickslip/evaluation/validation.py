@@ -183,25 +183,14 @@ def validate(
     loop: VelocityLoop,
     compensator: Mapping[str, float],
     command: cosim.Trapezoid,
-    plain: VelocityLoop | None = None,
-    phases: Sequence[float] = ONCE,
+    plain: VelocityLoop | None = None,  # of the run without compensation, by default ``loop``
+    phases: Sequence[float] = ONCE,  # where a simulated drive begins
 ) -> Validation:
-    """Run the trapezoid without and with compensation.
+    """Run the trapezoid without and with compensation; raise RigError, or Diverged.
 
-    It may use the true values of a simulated drive, since it evaluates and does not learn.
-
-    Parameters
-    ----------
-    plain : the loop of the run without compensation, by default ``loop``. A velocity filter that
-        counts on a compensator follows worse without: compare it with the loop it replaces.
-    phases : where a simulated drive begins
-
-    Raises
-    ------
-    RigError
-        When a motion of the rig did not end as commanded.
-    Diverged
-        When the drive runs away in a run.
+    It may use the true values of a simulated drive, since it evaluates and does not learn. A
+    velocity filter that counts on a compensator follows worse without: ``plain`` is the loop that
+    it replaces.
     """
     v_cmd = command.sample(rig.samples(trapezoid(command).duration))
     without, compensated = (
@@ -222,10 +211,7 @@ def runs_of(
     v_cmd: Array,
     phases: Sequence[float] = ONCE,
 ) -> Iterator[list[Run]]:
-    """Run a velocity command (n,) [m/s], one value a sample, with each of several compensators.
-
-    A simulated drive does so at every phase, and is prepared once.
-    """
+    """Run a velocity command (n,) [m/s] with each compensator; a simulated drive at every phase."""
     if not isinstance(rig, FmuRig):
         for compensator in compensators:
             yield [_moved(rig, loop, compensator, v_cmd)]

@@ -1,7 +1,5 @@
 """Parts of a recording that are held out, and whether one error is less than another there."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """What is deployed: the blocks of a learned.json behind one call, and a page of steps."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -50,13 +48,8 @@ def deployed_blocks(learned: LearnedFile) -> Iterator[Model]:
 def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
     """Write the blocks behind one call, in each language, and the page; return the paths.
 
-    Raises
-    ------
-    HarmfulError
-        When learning wrote no compensator.
-    UsageError, StartValueError, UnknownModel
-        When an entry of the file is not valid.
-    OSError
+    Raises HarmfulError when learning wrote no compensator, UsageError, StartValueError or
+    UnknownModel when an entry of the file is not valid, or OSError.
     """
     blocks = list(deployed_blocks(learned)) if "written" in learned.document else []
     if not blocks:

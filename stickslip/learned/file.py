@@ -104,10 +104,7 @@ class LearnedFile:
 
     @property
     def compensator(self) -> dict[str, float]:
-        """The compensator's parameters, at the ``share`` of its force in the file.
-
-        They are those of the friction unless the file has an entry for them.
-        """
+        """The parameters of the compensator at its share; else those of the friction."""
         whole = {**self.friction, **(self._entry("compensator") or {})}
         return self.law.share(whole, self._share(self.document))
 
@@ -175,10 +172,7 @@ class LearnedFile:
 
     @property
     def observer(self) -> Compensator:
-        """The observer, for the axis and the sample period in the file.
-
-        Raises UsageError when there is none, or its values are not valid.
-        """
+        """The observer for the axis in the file; raises UsageError without a valid one."""
         entry = self._observer
         if "parameters" not in entry:
             raise UsageError(
@@ -233,10 +227,7 @@ class LearnedFile:
 
     @property
     def drive(self) -> dict[str, float]:
-        """The drive by name: its friction, m, b, the constant force F_0 and the delay.
-
-        Mass and damping are those of the loop where they were not learned.
-        """
+        """The drive by name: its friction, m and b, learned or of the loop, F_0 and the delay."""
         known = {**(self._entry("loop") or {}), **(self._entry("parameters") or {})}
         rest = {name: known.get(name, 0.0) for name in ("m", "b")}
         entries = {name: self.document.get(name, {"value": 0.0}) for name in ("F_0", "delay")}
@@ -258,11 +249,6 @@ class LearnedFile:
         entry = self.document.get("written")
         files = entry.get("files") if isinstance(entry, dict) else None
         return tuple(map(str, files)) if isinstance(files, list) else ("compensator.fmu",)
-
-    @property
-    def is_tried(self) -> bool:
-        """Whether learning tried the compensator at the share of its force in the file."""
-        return bool(self.document.get("tracking_error"))
 
     @property
     def loop(self) -> VelocityLoop | None:

@@ -1,9 +1,8 @@
 """Where the numbers of exported code come from, in lines for its head."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from datetime import UTC, datetime
+from textwrap import wrap
 from typing import Any
 
 from stickslip.errors import UsageError
@@ -16,12 +15,14 @@ WIDTH = 96  # characters of a line
 
 
 def provenance(learned: LearnedFile, share: float | None = None) -> list[str]:
-    """Return drive, logs, values, share and predicted errors; the share is a feedforward's.
-
-    Raises UsageError where the file has entries that ``learn`` does not write.
-    """
+    """Return drive, logs, values, share of a feedforward and errors; raise UsageError."""
     try:
-        return [line for text in _texts(learned, share) for line in _wrapped(text)]
+        texts = [
+            (text, "    " if text.startswith("  ") else "  ") for text in _texts(learned, share)
+        ]
+        return [
+            one for text, indent in texts for one in wrap(text, WIDTH, subsequent_indent=indent)
+        ]
     except (KeyError, TypeError, ValueError, ArithmeticError) as error:
         raise UsageError(
             f"{learned.path}: expected parameters and verdict as learn writes them; got {error!r}"
@@ -62,10 +63,3 @@ def _texts(learned: LearnedFile, share: float | None) -> Iterator[str]:
 def _mapping(document: Any, name: str) -> dict[str, Any]:
     entry = document.get(name)
     return entry if isinstance(entry, dict) else {}
-
-
-def _wrapped(text: str) -> list[str]:
-    from textwrap import wrap
-
-    indent = "  " if text.startswith("  ") else ""
-    return wrap(text, WIDTH, initial_indent="", subsequent_indent=f"{indent}  ")

@@ -19,20 +19,10 @@ OBSERVER_MODEL = "dob"  # Model of an observer without an entry for it
 POSITION_FORCE = "position_force"  # Key of the force of position, and the model that gives it
 PACKAGES = ("stickslip", "control", "fmpy", "numpy", "scipy", "ziglang")
 LOOP_UNITS = {
-    "m": "kg",
-    "b": "N.s/m",
-    "tau_i": "s",
-    "T_s": "s",
-    "tau_f": "s",
-    "K_p": "N.s/m",
-    "K_i": "N/m",
-    "m_ff": "kg",
-    "K_x": "1/s",
-    "velocity_feedforward": "1",
-    "L_x": "1",
-    "L_v": "1/s",
-    "L_d": "N/m",
-}
+    "m": "kg", "b": "N.s/m", "tau_i": "s", "T_s": "s", "tau_f": "s", "K_p": "N.s/m",
+    "K_i": "N/m", "m_ff": "kg", "K_x": "1/s", "velocity_feedforward": "1", "L_x": "1",
+    "L_v": "1/s", "L_d": "N/m",
+}  # fmt: skip
 DATASHEET = units(Datasheet)
 TRAPEZOID = {"height": "m/s", "slope": "m/s2", "plateau": "s", "begin": "s"}
 FILTER_KEYS = ("L_x", "L_v", "L_d")

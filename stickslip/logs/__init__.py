@@ -8,20 +8,7 @@ from stickslip.logs.reading import Reading, raise_errors, read_recording
 from stickslip.logs.recording import Finding, Motion, Recording
 
 __all__ = [
-    "Column",
-    "Controller",
-    "Description",
-    "Finding",
-    "Motion",
-    "Reading",
-    "Recording",
-    "aligned",
-    "check_recording",
-    "load_description",
-    "raise_errors",
-    "read_and_check",
-    "read_recording",
-    "read_stretch",
-    "samples_late",
-    "with_checks",
-]
+    "Column", "Controller", "Description", "Finding", "Motion", "Reading", "Recording",
+    "aligned", "check_recording", "load_description", "raise_errors", "read_and_check",
+    "read_recording", "read_stretch", "samples_late", "with_checks",
+]  # fmt: skip

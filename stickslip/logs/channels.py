@@ -1,7 +1,5 @@
 """Columns in SI units."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -44,7 +42,7 @@ class Channel:
     offset: Product = 0.0  # in SI units
 
     @classmethod
-    def of(cls, table: LogTable, description: Description, role: str, source: str) -> Channel:
+    def of(cls, table: LogTable, description: Description, role: str, source: str) -> "Channel":
         """Return the channel of a column."""
         given, unit = description.column(role), unit_of(table, description, role, source)
         scale = _implied_scale(description, role, unit) if given.scale is None else given.scale
@@ -61,16 +59,12 @@ def unit_of(table: LogTable, description: Description, role: str, name: str) -> 
         return unit_fitting(stated, fits)
     unit = unit_fitting(suffix_unit(name) or "", fits)
     if unit is None and role == "time":
-        return _epoch(table.numbers.get(name))
+        t = table.numbers.get(name)
+        usual = float(np.nanmedian(t)) if t is not None and np.isfinite(t).any() else 0.0
+        return next((unit_named(since) for least, since in _EPOCHS if usual > least), None)
     fits |= {"number", "number per time"}
     fits |= {"current", "voltage"} if quantity_key(role) == "force" else set()
     return unit if unit and unit.quantity in fits else None
-
-
-def _epoch(t: Array | None) -> Unit | None:
-    """Return the unit of times (n,) since 1970, or of 100 ns since 1601, if they look so."""
-    usual = float(np.nanmedian(t)) if t is not None and np.isfinite(t).any() else 0.0
-    return next((unit_named(name) for least, name in _EPOCHS if usual > least), None)
 
 
 def unit_fault(

@@ -21,10 +21,7 @@ OFFSETS = 100  # stretches that are compared
 
 
 def shortened(recording: Recording, share: float = 1.0) -> tuple[Recording, tuple[Finding, ...]]:
-    """Return the stretch of a long recording that shows most, and a note; a short one as it is.
-
-    The share is that of the longest stretch which one of several logs may take.
-    """
+    """Return the stretch of a long recording that shows most, and a note; a short one as it is."""
     n, T_s = len(recording.t), recording.T_s
     most = round(share * max(log_content.LONGEST / T_s, log_content.MOST))
     motion = recording.velocity if recording.position is None else recording.position
@@ -84,12 +81,7 @@ def read_and_check(
 def read_stretch(
     path: Path, description: Description, share: float = 1.0
 ) -> tuple[Reading, tuple[Finding, ...]]:
-    """Read a log and return the stretch of it that shows most, with the findings of reading.
-
-    The share is that of the longest stretch which one of several logs may take.
-
-    Raises RecordingError, UsageError when it cannot be read.
-    """
+    """Read a log; return the stretch, a share of the longest, that shows most, and findings."""
     reading = read_recording(path, description, strict=False)
     recording, cut = shortened(reading.recording, share)
     return replace(reading, recording=recording), (*reading.findings, *cut)
@@ -98,10 +90,7 @@ def read_stretch(
 def with_checks(
     reading: Reading, findings: tuple[Finding, ...], *, alone: bool = True
 ) -> tuple[Finding, ...]:
-    """Return the findings of reading a log, and those of checking it.
-
-    Of one of several logs, which is not ``alone``, they do not tell what it shows of the drive.
-    """
+    """Return the findings of reading and checking a log; of several, none about the drive."""
     checks = check_recording(
         reading.recording, reading.controller, reading.force_limit, alone=alone
     )

@@ -11,14 +11,7 @@ from stickslip.logs.description import Controller
 from stickslip.logs.excitation import Excitation, excitation
 from stickslip.logs.force_path import force_path
 from stickslip.logs.grid import runs
-from stickslip.logs.motion import (
-    Delay,
-    aligned,
-    force_delay,
-    kinematics,
-    signal_delay,
-    sure_delay,
-)
+from stickslip.logs.motion import Delay, aligned, force_delay, kinematics, signal_delay, sure_delay
 from stickslip.logs.recording import Finding, Recording, Severity
 from stickslip.logs.sampling import step_of
 from stickslip.servo.measurement import Array, smoothed

@@ -79,10 +79,7 @@ GAINS = tuple(field.name for field in fields(Controller) if field.name != "kind"
 
 
 def check_gains(kind: str, gains: Collection[str]) -> None:
-    """Check that a kind of controller has exactly these gains.
-
-    Raises UsageError when the kind or a gain is unknown, or one is missing or superfluous.
-    """
+    """Raise UsageError unless a kind of controller is known and has exactly these gains."""
     if kind not in get_args(Kind):
         raise UsageError(f"controller '{kind}': expected one of {', '.join(get_args(Kind))}")
     for name in gains:
@@ -107,17 +104,9 @@ Product = float | str
 """A number, or factors joined by ``*``, each a number or the name of a scalar in the log's file."""
 
 ROLES = (
-    "time",
-    "position",
-    "force",
-    "velocity",
-    "friction",
-    "position_command",
-    "velocity_command",
-    "force_command",
-    "added_force",
-    "added_velocity",
-)
+    "time", "position", "force", "velocity", "friction", "position_command", "velocity_command",
+    "force_command", "added_force", "added_velocity",
+)  # fmt: skip
 """What a column can be."""
 CONFIRMED = ("mass", "speed", "acceleration", "force")
 """Figures that are errors where they are extreme, until they are confirmed."""

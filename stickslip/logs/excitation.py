@@ -17,10 +17,7 @@ TURNED = 0.63  # share of its swing that friction covers during a reversal
 
 @dataclass(frozen=True)
 class TurnAround:
-    """Reversal of friction after velocity reversals, as medians over these.
-
-    The low-pass makes quick reversals longer than they are.
-    """
+    """Reversals of friction after those of velocity: medians, which the low-pass makes longer."""
 
     distance: float  # of motion until friction made 63 % of its swing [m]
     counts: float  # steps of the encoder in it; inf where no step shows

@@ -146,10 +146,7 @@ def _blank(
 def _jumped(
     table: LogTable, t: Array, x: Array, at: NDArray[np.intp], sizes: Array, unit: str
 ) -> Finding:
-    """Return the error of a position (n,) that jumps, with the longest part that does not.
-
-    In a part, smaller jumps may stand out than in the whole.
-    """
+    """Return the error of a position (n,) that jumps, with the longest part that does not."""
     first = int(np.argmax(np.abs(sizes)))
     figure = f"by {quantity(float(sizes[first]), unit, 4)} in row {table.row(int(at[first]) + 1)}"
     if at.size > 1:

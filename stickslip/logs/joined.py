@@ -4,8 +4,6 @@ Between two logs the position moves on smoothly, for as long as that takes at th
 Nothing is learned there: the recording says which of its samples are those of a log.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -22,17 +20,11 @@ BAND = 0.25  # cut-off of the low-pass before a signal is sampled at a lower rat
 
 
 def join(
-    recordings: Sequence[Recording],
-    gains: Sequence[Mapping[str, float] | None],
-    loads: Sequence[float],
+    recordings: Sequence[Recording],  # of like motion; the lowest rate is that of the result
+    gains: Sequence[Mapping[str, float] | None],  # of the controller FMU in each, where known
+    loads: Sequence[float],  # mass that each moved beside that of the drive [kg], or [kg m^2]
 ) -> Recording:
     """Return logs of one drive as one recording, with what belongs to each.
-
-    Parameters
-    ----------
-    recordings : of like motion, sampled at any rate; the lowest is that of the result
-    gains : of the controller FMU in each; None where it is not known
-    loads : mass that each moved beside that of the drive [kg], or moment of inertia [kg m^2]
 
     Raises RecordingError where a log is of another motion, or lacks the force that others have.
     """

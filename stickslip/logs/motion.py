@@ -1,7 +1,5 @@
 """Motion of a rigid drive from its log, and how much later one signal shows than another."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -120,10 +118,7 @@ that switches is that of Coulomb friction alone, 10 to 30 ms early, too: 5e-8 to
 
 @dataclass(frozen=True)
 class Delay:
-    """A delay [s], positive when the signal shows late, and its standard error.
-
-    ``at_bound`` tells that it may be larger: the search ends there.
-    """
+    """A delay [s], positive when the signal shows late; it may be larger if ``at_bound``."""
 
     value: float
     standard_error: float

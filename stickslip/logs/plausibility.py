@@ -236,31 +236,25 @@ def implausible(reading: Reading) -> Iterator[Finding]:
         yield Finding("error", "the travel is very long", figure, advice)
     if moved not in reading.units or not reading.timed:
         return  # an error already
-    rotary = recording.rotary
+    kg, N = ("kg m^2", "N m") if recording.rotary else ("kg", "N")
     figures = {
         "speed": (float(np.quantile(np.abs(motion.v), 0.99)), f"{unit}/s"),
         "acceleration": (shown.acceleration, f"{unit}/s^2"),
     }
     if recording.force is not None and "force" in reading.units:
         largest = float(np.quantile(np.abs(recording.force), 0.99))
-        figures["force"] = largest, "N m" if rotary else "N"
+        figures["force"] = largest, N
         work = float(recording.force[1:] @ np.diff(motion.x))
-        seen = shown.inertial > log_content.INERTIAL
-        if seen and shown.mass < 0.0 and shown.coulomb < 0.0 and work < 0.0:
-            yield _against_motion(reading, shown.mass, shown.coulomb)
-        elif seen and shown.mass > 0.0:
-            figures["mass"] = shown.mass, "kg m^2" if rotary else "kg"
+        seen, m, F_c = shown.inertial > log_content.INERTIAL, shown.mass, shown.coulomb
+        if seen and m < 0.0 and F_c < 0.0 and work < 0.0:
+            figure = f"F = m a + b v + F_c sign(v) gives m = {m:.3g} {kg} and F_c = {F_c:.3g} {N}"
+            advice = f"give {_scaled(reading, 'force', -1)}, which turns its sign"
+            yield Finding("error", "the force acts against the motion", figure, advice)
+        elif seen and m > 0.0:
+            figures["mass"] = m, kg
     for name, (value, per) in figures.items():
         if question := _asked(reading, name, value, value, unit=per):
             yield question
-
-
-def _against_motion(reading: Reading, mass: float, coulomb: float) -> Finding:
-    """Return the error of a force whose sign is not that of the position."""
-    kg, N = ("kg m^2", "N m") if reading.recording.rotary else ("kg", "N")
-    figure = f"F = m a + b v + F_c sign(v) gives m = {mass:.3g} {kg} and F_c = {coulomb:.3g} {N}"
-    advice = f"give {_scaled(reading, 'force', -1)}, which turns its sign"
-    return Finding("error", "the force acts against the motion", figure, advice)
 
 
 def implausible_mass(reading: Reading, low: float, high: float) -> Finding | None:

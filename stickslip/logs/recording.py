@@ -1,7 +1,5 @@
 """One log of a drive, on an even grid, in SI units, and findings of its checks."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -57,7 +55,7 @@ class Recording:
         """Its signals and their times (n,) by name."""
         return {name: one for name, one in vars(self).items() if isinstance(one, np.ndarray)}
 
-    def part(self, begin: int, end: int) -> Recording:
+    def part(self, begin: int, end: int) -> "Recording":
         """Return its samples from one on to another, whose time begins at 0."""
         cut: dict[str, Any] = {name: one[begin:end] for name, one in self.arrays.items()}
         return replace(self, **cut | {"t": self.t[: end - begin], "segments": ()})
@@ -67,7 +65,7 @@ class Recording:
         """The logs that it joins, or itself as the only one."""
         return self.segments or (Segment(0, len(self.t), self.source),)
 
-    def log(self, segment: Segment) -> Recording:
+    def log(self, segment: Segment) -> "Recording":
         """Return one of the logs that it joins; a single one is returned as it is."""
         if not self.segments:
             return self
@@ -118,7 +116,7 @@ class Finding:
     hides: tuple[str, ...] = ()  # parameters that cannot be identified therefore
 
     @classmethod
-    def either(cls, fine: bool, words: tuple[str, str], figure: str, advice: str) -> Finding:
+    def either(cls, fine: bool, words: tuple[str, str], figure: str, advice: str) -> "Finding":
         """Return a note without advice, or a warning."""
         note, warning = words
         return cls("note", note, figure) if fine else cls("warning", warning, figure, advice)

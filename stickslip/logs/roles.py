@@ -94,7 +94,6 @@ _COMPOUND = re.compile(
 )
 """A German compound, such as Drehmomentistwert or Istlage."""
 
-
 _NAMED = (
     ("percentage", r"%|‰|percent|prozent|per_?mil|promille|(^|_)(pct|rated)(_|$)"),
     ("current", r"current|strom|courant|corr[ie]+nte|amp[eèé]r|(^|_)(i|iq|i_q|amps)(_|$)"),
@@ -104,7 +103,6 @@ _NAMED = (
     ("angle", r"(^|_)(angle|theta|phi|\w*winkel)(_|$)"),
 )
 """What a column's name says that it measures; the first that fits."""
-
 
 _MEASURED = {"time": "time", "current": "force", "voltage": "force"} | {
     quantity: role for motion in QUANTITIES.values() for role, quantity in motion.items()
@@ -137,11 +135,7 @@ _NO_SUFFIXES = ("in", "min", "mil", "pulse", "pulses", "second", "sample", "turn
 
 
 def assign_roles(table: LogTable, description: Description) -> tuple[dict[str, str], list[Finding]]:
-    """Return column names by role, and remarks on what was detected.
-
-    Raises RecordingError when a named column is missing, one has two roles, or a guess is not
-    clear.
-    """
+    """Return column names by role, and remarks; raise RecordingError where one is not clear."""
     found: dict[str, str] = {}
     for role, column in description.columns.items():
         if column.name in (None, "none"):
@@ -349,10 +343,7 @@ def _spaced(name: str) -> str:
 
 
 def _split_suffix(name: str) -> tuple[str, str | None]:
-    """Return a name without its unit, and the unit; the index of a symbol is none.
-
-    A name that is a unit, such as millis, remains.
-    """
+    """Return a name without its unit, and the unit; an index or a name like millis is none."""
     words = [word for word in _spaced(name).split("_") if word]
     for count in (3, 2, 1):
         head, tail = "_".join(words[:-count]), words[-count:]

@@ -27,10 +27,7 @@ class Overlap:
 
 
 def same_command(first: Array, second: Array, T_s: float) -> list[Overlap]:
-    """Return the stretches in which two velocity commands (n,), (k,) [m/s] are the same.
-
-    No sample belongs to two stretches. The lag with the most motion in common comes first.
-    """
+    """Return the stretches in which two velocity commands (n,), (k,) [m/s] are the same."""
     least = max(2, round(transfer.STRETCH / T_s))
     free = np.ones(len(first), dtype=bool), np.ones(len(second), dtype=bool)
     found: list[Overlap] = []
@@ -88,10 +85,7 @@ def _highest(values: Array, lags: NDArray[np.intp]) -> list[int]:
 
 
 def _difference(first: Array, second: Array) -> tuple[NDArray[np.intp], Array]:
-    """Return lags, and the mean square difference of the commands at each, relative to their own.
-
-    It is 1 where the overlap has no motion.
-    """
+    """Return lags, and the commands' mean square difference at each, relative to their own."""
     lags = correlation_lags(len(first), len(second))
     product, own, other, count = (
         correlate(a, b, method="fft")

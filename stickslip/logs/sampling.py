@@ -55,10 +55,7 @@ def _refined(differences: Array, step: float) -> float:
 
 
 def clock_step(t: Array) -> float:
-    """Return the step of which all differences of times (n,) are multiples; 0 if there is none.
-
-    The step of times in single precision is at least the spacing of the largest.
-    """
+    """Return the step of which all differences of times (n,) are multiples; 0 if there is none."""
     single = t.astype(np.float32)
     spacing = np.spacing(np.abs(single)).astype(np.float64)
     least = float(spacing.max()) if np.all(np.abs(t - single) < 0.05 * spacing) else 0.0
@@ -195,10 +192,7 @@ def _once(
 def even_rows(
     table: LogTable, t: Array, signals: Mapping[str, Array], findings: list[Finding]
 ) -> NDArray[np.intp]:
-    """Return the rows (k,) of a log whose samples are even, whatever its column of time says.
-
-    Raises RecordingError when its rows hold one channel each.
-    """
+    """Return the rows (k,) of a log whose samples are even, whatever its column of time says."""
     if own := _in_turn(signals):
         raise RecordingError(
             f"{table.path}: {own} has numbers and blanks in turn; its samples have the times of "
@@ -217,10 +211,7 @@ def _in_turn(signals: Mapping[str, Array]) -> str:
 
 
 def _check_instants(table: LogTable, t: Array, signals: Mapping[str, Array]) -> None:
-    """Check that the drive moves on between rows with equal times, as with a rounded clock.
-
-    Raises RecordingError when it does not; names the row.
-    """
+    """Raise RecordingError where the drive does not move between rows of equal times."""
     steps = np.abs(np.diff(signals.get("position", t)))
     equal = np.flatnonzero(np.diff(t)[1:-1] == 0) + 1
     beside = np.nansum(steps[equal - 1] + steps[equal + 1]) / 2

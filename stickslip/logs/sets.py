@@ -1,7 +1,5 @@
 """Sets of logs of one drive: files, folders, and tables that say what differs from log to log."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Sequence
@@ -47,7 +45,8 @@ def _logs(path: Path, description: Description) -> Iterator[Log]:
             yield from _of_table(table, description)
             return
         known = {*TEXT, *SUFFIXES}
-        found = sorted(one for one in path.iterdir() if _kind(one) in known)
+        suffix = {one: Path(one.name.lower().removesuffix(".gz")).suffix for one in path.iterdir()}
+        found = sorted(one for one in suffix if suffix[one] in known)
         if not found:
             expected = ", ".join(sorted(known))
             raise UsageError(f"{path}: no log in this folder; expected files of {expected}")
@@ -56,11 +55,6 @@ def _logs(path: Path, description: Description) -> Iterator[Log]:
         yield from _of_table(path, description)
     else:
         yield Log(path, description)
-
-
-def _kind(path: Path) -> str:
-    """Return the suffix of a log, without that of its compression."""
-    return Path(path.name.lower().removesuffix(".gz")).suffix
 
 
 def _is_table(path: Path) -> bool:

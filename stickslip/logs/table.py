@@ -1,7 +1,5 @@
 """The table that a log's file holds, before its columns have roles; points in time as seconds."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -38,16 +36,13 @@ class LogTable:
         """Return the number in the file of the k-th value."""
         return k + 1 if self.rows is None else int(self.rows[k])
 
-    def part(self, rows: NDArray[np.intp]) -> LogTable:
+    def part(self, rows: NDArray[np.intp]) -> "LogTable":
         """Return a table without columns that has some rows (k,) of this one."""
         numbers = rows + 1 if self.rows is None else self.rows[rows]
         return LogTable(self.path, self.names, {}, scalars=self.scalars, rows=numbers)
 
     def find(self, key: str | int, role: str) -> str:
-        """Return the name of the column with a name or a number from 1.
-
-        Raises RecordingError when there is none, or several only differ in case.
-        """
+        """Return the name of the column with a name or a number from 1; raise RecordingError."""
         if isinstance(key, str) and key in self.names:
             return key
         if isinstance(key, int) or key.isdecimal():
@@ -64,10 +59,7 @@ class LogTable:
         raise RecordingError(f"{self.path}: {role}: no column '{key}'{suggestion(key, self.names)}")
 
     def value(self, product: Product, what: str) -> float:
-        """Return the value of a product, whose factors may name scalars of the file.
-
-        Raises UsageError when a factor is neither number nor name, or the value is not finite.
-        """
+        """Return the value of a product of numbers and scalars of the file; raise UsageError."""
         value = 1.0
         for factor in str(product).split("*"):
             name = factor.strip()
@@ -126,10 +118,7 @@ def clock_seconds(texts: Sequence[str]) -> Array:
 
 
 def filetime_seconds(texts: Sequence[str]) -> Array | None:
-    """Return seconds (n,) since the first of counts of 100 ns since 1601, None for other numbers.
-
-    Doubles would round such counts to 1.6 us.
-    """
+    """Return exact seconds since the first of counts of 100 ns since 1601, else None."""
     if not (texts and all(text.isdecimal() for text in texts) and float(texts[0]) > FILETIME):
         return None
     first = int(texts[0])
@@ -137,10 +126,7 @@ def filetime_seconds(texts: Sequence[str]) -> Array | None:
 
 
 def with_joined_times(table: LogTable) -> LogTable:
-    """Return a table with one column of time for each two that hold whole seconds and the rest.
-
-    Such are ``stamp.sec`` and ``stamp.nanosec``, and ``tv_sec`` and ``tv_usec``.
-    """
+    """Return a table with one time for two such as ``stamp.sec`` and ``stamp.nanosec``."""
     numbers, units = dict(table.numbers), dict(table.units)
     names = list(table.names)
     seconds: dict[str, str] = {}

@@ -98,8 +98,8 @@ def read_text(path: str, data: bytes, delimiter: str | None, decimal: str | None
     if header and not header[-1] and not columns[-1].first:  # a delimiter ends each line
         header, columns = header[:-1], columns[:-1]
     if head.paired:
-        signals = _pairs(path, head, columns)
-        return table_of(path, signals, tuple(findings), timed=_timed(head))
+        signals, timed = _pairs(path, head, columns), "s" if head.titled else head.units[0]
+        return table_of(path, signals, tuple(findings), timed=timed)
     names = _names(header or [str(k + 1) for k in range(len(columns))])
     units = {name: unit for name, unit in zip(names, head.units, strict=False) if unit}
     numbers: dict[str, Array] = {}
@@ -138,10 +138,7 @@ def is_text(data: bytes) -> bool:
 
 
 class _Lines:
-    """The lines of a text that are not empty, and their numbers.
-
-    Raises RecordingError when it is binary, or has too many lines. Messages name the path.
-    """
+    """The lines of a text that are not empty, and their numbers; raises RecordingError."""
 
     def __init__(self, path: str, data: bytes) -> None:
         self.path = path
@@ -176,13 +173,7 @@ class _Lines:
         return [text for text in texts if text and not text.isspace()]
 
     def blocks(self) -> Iterator[tuple[int, list[str]]]:
-        """Yield lines, empty ones too, and the number of the first of them.
-
-        Raises
-        ------
-        RecordingError
-            When a line is too long.
-        """
+        """Yield lines and the number of the first; raise RecordingError for one too long."""
         stream = io.TextIOWrapper(io.BytesIO(self.data), self.encoding, newline="\n")
         number = 1
         while block := stream.readlines(_BLOCK):
@@ -206,10 +197,7 @@ class _Lines:
 def _columns(
     lines: _Lines, dialect: Dialect, head: Header, findings: list[Finding]
 ) -> tuple[list[_Column], NDArray[np.intp]]:
-    """Return the columns below a header, and the numbers (n,) of their rows.
-
-    Raises RecordingError when a row has a wrong length and is not the last.
-    """
+    """Return the columns below a header, and numbers (n,) of their rows; raise RecordingError."""
     columns = [_Column() for _ in range(head.width)]
     numbered = [np.empty(0, dtype=np.intp)]
     wrong: dict[int, int] = {}
@@ -308,16 +296,8 @@ def _pairs(path: str, head: Header, columns: Sequence[_Column]) -> Iterator[Sign
         yield Signal(name, values.numbers[filled], unit, t)
 
 
-def _timed(head: Header) -> str | None:
-    """Return the unit of the times of signals, None where the file leaves it open."""
-    return "s" if head.titled else head.units[0]
-
-
 def _scaled(t: Array, column: _Column, head: Header, k: int = 0) -> Array:
-    """Return times (n,) in s where the header has titled rows, else as they are.
-
-    They are in ms, or in the unit that agrees with the sample period of the header.
-    """
+    """Return times (n,) in s: from ms, or the unit of the header's period, below titled rows."""
     if is_clock(column.first):
         return clock_seconds(column.texts)
     if (counted := filetime_seconds(column.texts)) is not None:

@@ -82,20 +82,14 @@ _SPELT = {
 
 QUANTITIES: dict[Motion, dict[str, str]] = {
     "linear": {
-        "position": "length",
-        "velocity": "speed",
-        "force": "force",
-        "acceleration": "acceleration",
-        "jerk": "jerk",
+        "position": "length", "velocity": "speed", "force": "force",
+        "acceleration": "acceleration", "jerk": "jerk",
     },
     "rotary": {
-        "position": "angle",
-        "velocity": "angular speed",
-        "force": "torque",
-        "acceleration": "angular acceleration",
-        "jerk": "angular jerk",
+        "position": "angle", "velocity": "angular speed", "force": "torque",
+        "acceleration": "angular acceleration", "jerk": "angular jerk",
     },
-}
+}  # fmt: skip
 """What a drive's signals are by its motion."""
 
 _CASE_COUNTS = frozenset({"force", "torque", "current", "voltage"})
@@ -115,7 +109,6 @@ _UNITS = {
     for quantity, factors in _FACTORS.items()
     for name, factor in factors.items()
 }
-
 
 _ALIKE: dict[str, set[Unit]] = {}
 for _name in (*_UNITS, *_SPELT):

@@ -1,7 +1,5 @@
 """The loop of a learned drive as what is tuned: parameters of its FMUs by name."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Self
@@ -39,10 +37,7 @@ class DriveLoop:
 
     @classmethod
     def of(cls, learned: LearnedFile) -> Self:
-        """Return the loop of a file with what was written for it.
-
-        Raises UsageError when the file has no loop.
-        """
+        """Return the loop of a file with what was written for it; raise UsageError without."""
         if learned.loop is None:
             raise UsageError(
                 f"{learned.path}: contains no loop; learn with the controller of the log, "
@@ -101,10 +96,7 @@ class DriveLoop:
     def problem(
         self, ranges: Mapping[str, tuple[float, float]], fixed: Collection[str] = ()
     ) -> ga.Problem:
-        """Return what is searched: gains, share and gains of the observer, or other ranges.
-
-        Raises UsageError when a name is not one of ``tunable``, or nothing is left.
-        """
+        """Return what is searched: gains, share and gains of the observer, or other ranges."""
         values, components = self.tunable, {name.partition(".")[0] for name in self.tunable}
         for name in (*ranges, *(one for one in fixed if one not in components)):
             if name not in values:
@@ -143,7 +135,7 @@ class DriveLoop:
             high = min(high, own.maximum)
         return low, high
 
-    def with_values(self, genes: Mapping[str, float]) -> DriveLoop:
+    def with_values(self, genes: Mapping[str, float]) -> "DriveLoop":
         """Return the loop with other values; raise ControlError when it is unstable."""
         gains = {n: genes[f"controller.{n}"] for n in GAINS if f"controller.{n}" in genes}
         loop = self.loop.changed(**gains) if gains else self.loop

@@ -6,8 +6,6 @@ of the present loop, and the mean of the ratios on each of them. The median at e
 most where the present loop happens to fit.
 """
 
-from __future__ import annotations
-
 import math
 import threading
 from collections.abc import Callable, Iterable, Sequence
@@ -24,16 +22,7 @@ from stickslip.servo.chain_response import ChainResponse, frequencies
 from stickslip.servo.measurement import Array
 from stickslip.servo.sensitivity import OpenLoop
 from stickslip.thresholds import kept
-from stickslip.trial.benefit import (
-    Bench,
-    Cell,
-    LoopRuns,
-    Rows,
-    TrialError,
-    errors_of,
-    geometric_mean,
-    rows_of,
-)
+from stickslip.trial import benefit
 from stickslip.trial.family import Command, Drive
 from stickslip.tuning.loop_learning import QUIET
 from stickslip.tuning.search import STEEP, Ratios, mean_of
@@ -42,21 +31,18 @@ EXCESS = 1e3  # cost of a candidate beyond a limit, times by how much
 
 
 class FamilyCost(ExitStack):
-    """The cost of candidates, and what they do on the whole family.
-
-    Use it in a ``with`` block.
-    """
+    """The cost of candidates, and what they do on the whole family; to be used in ``with``."""
 
     fatal = (cosim.CosimError,)
 
     def __init__(
-        self, bench: Bench, start: DriveLoop, masses: Sequence[float], names: Sequence[str]
+        self, bench: benefit.Bench, start: DriveLoop, masses: Sequence[float], names: Sequence[str]
     ) -> None:
         super().__init__()
         self.bench, self.start, self.masses, self.names = bench, start, masses, names
         loop = start.loop.changed(m_ff=start.loop.axis.m)  # the loop takes an acceleration
         record = ("drive.v", "drive.x", "drive.F_m")
-        self._runs = self.enter_context(LoopRuns(bench, loop, start.chain, record))
+        self._runs = self.enter_context(benefit.LoopRuns(bench, loop, start.chain, record))
         observers = [one for one in start.chain if one.name == "observer"]
         folder = bench.folder_of(bench.law.name)
         self._chain = self.enter_context(ChainResponse(folder, loop, observers, self._runs.speed))
@@ -83,10 +69,7 @@ class FamilyCost(ExitStack):
         return max((response.peak for response in found), default=math.inf)
 
     def forces(self, one: DriveLoop) -> tuple[float, float]:
-        """Return RMS change from sample to sample, and peak, of the force on the first drive [N].
-
-        Each is the largest of all motions.
-        """
+        """Return RMS change a sample, and peak, of the force on the first drive [N]."""
         return _forces(self._each(one, self.first))
 
     def excess(self, one: DriveLoop) -> float:
@@ -103,18 +86,14 @@ class FamilyCost(ExitStack):
         except cosim.SimulationError:
             return math.inf
 
-    def rows(self, one: DriveLoop, cells: Sequence[Cell] = ()) -> Rows:
+    def rows(self, one: DriveLoop, cells: Sequence[benefit.Cell] = ()) -> benefit.Rows:
         """Return the errors of a loop and of the present one, by default wherever they decide."""
         cells = cells or self.cells
         self._run_present(cells)
         return self._compared(cells, self._each(one, cells))
 
     def __call__(self, values: Array) -> float:
-        """Return the cost of a candidate (k,).
-
-        One beyond a limit costs more, the farther it is. Raises CandidateFailed when its loop is
-        unstable or runs away.
-        """
+        """Return the cost of a candidate (k,), more beyond a limit; raise CandidateFailed."""
         return self.together(values[np.newaxis])[0]()
 
     def together(self, rows: Array) -> list[Callable[[], float]]:
@@ -149,7 +128,7 @@ class FamilyCost(ExitStack):
 
         return [partial(cost, k) for k in range(len(rows))]
 
-    def _is_first(self, cell: Cell) -> bool:
+    def _is_first(self, cell: benefit.Cell) -> bool:
         return cell[0] is self.bench.drives[0]
 
     def _too_much(self, forces: tuple[float, float]) -> float:
@@ -158,13 +137,13 @@ class FamilyCost(ExitStack):
         own = self._own[0] / QUIET, self._own[1]
         return max(force / max(both) for force, *both in zip(forces, limits, own, strict=True))
 
-    def _run_present(self, cells: Sequence[Cell]) -> None:
+    def _run_present(self, cells: Sequence[benefit.Cell]) -> None:
         """Run the present loop in cells in which it has not been run yet."""
         left = [one for one in cells if (one[0].name, one[1]) not in self._present]
         for cell, run in zip(left, self._each(self.start, left), strict=True):
-            self._present[cell[0].name, cell[1]] = errors_of(run, self._targets(cell[1]))
+            self._present[cell[0].name, cell[1]] = benefit.errors_of(run, self._targets(cell[1]))
 
-    def _each(self, one: DriveLoop, cells: Sequence[Cell]) -> list[Outcome]:
+    def _each(self, one: DriveLoop, cells: Sequence[benefit.Cell]) -> list[Outcome]:
         """Return the run of the FMUs of a loop in each cell, or why it failed."""
         return self._runs.outcomes([one.parameters], cells, in_lanes=False)[0]
 
@@ -175,11 +154,11 @@ class FamilyCost(ExitStack):
             targets["drive.x"] = self._runs.inputs[command]["x_cmd"][: len(command.v_cmd)]
         return targets
 
-    def _compared(self, cells: Sequence[Cell], runs: Sequence[Outcome]) -> Rows:
+    def _compared(self, cells: Sequence[benefit.Cell], runs: Sequence[Outcome]) -> benefit.Rows:
         present = [self._present[drive.name, command] for drive, command in cells]
         both = zip(cells, runs, strict=True)
-        return rows_of(
-            cells, present, [errors_of(run, self._targets(cell[1])) for cell, run in both]
+        return benefit.rows_of(
+            cells, present, [benefit.errors_of(run, self._targets(cell[1])) for cell, run in both]
         )
 
 
@@ -212,7 +191,7 @@ def cost_of(found: Ratios) -> float:
     return mean_of(rms) + STEEP * worse
 
 
-def ratios(rows: Rows) -> Ratios:
+def ratios(rows: benefit.Rows) -> Ratios:
     """Return what a loop leaves of the errors of the present one, by motion, figure and kind.
 
     ``RMS`` is that over all drives and levels of friction on which the present loop does not run
@@ -220,12 +199,12 @@ def ratios(rows: Rows) -> Ratios:
     the ratios on each of them, where all drives count alike.
     """
     found: Ratios = {}
-    groups: dict[tuple[str, str], list[TrialError]] = {}
+    groups: dict[tuple[str, str], list[benefit.TrialError]] = {}
     for row in rows:
         if math.isfinite(row.without):
             groups.setdefault((row.command, row.figure), []).append(row)
     for key, some in groups.items():
         squares = np.sum([(row.compensated**2, row.without**2) for row in some], axis=0)
         found[*key, "RMS"] = float(np.sqrt(squares[0] / squares[1]))
-        found[*key, "each"] = geometric_mean(some)
+        found[*key, "each"] = benefit.geometric_mean(some)
     return found

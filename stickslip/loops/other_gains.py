@@ -4,8 +4,6 @@ Each runs on the drive as fitted. Those that do best there are then run on the d
 within its limits; the first that is in no motion worse than the present loop is reported.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field

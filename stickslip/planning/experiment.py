@@ -44,7 +44,6 @@ WHOLE = Part("whole travel", ("position_force",), 1.5, parts.whole_travel)
 """Last, where it is asked for."""
 SHOWN = (*PAPER, *WHOLE.shows)
 
-
 SET = {"presliding": PARTS[:1], "creep": PARTS[1:2], "sliding": PARTS[2:]}
 """Parts by the name of an experiment, where each kind of motion has one of its own."""
 
@@ -61,10 +60,7 @@ class Stretch:
 def arrange(
     limits: Limits = LINEAR, show: Collection[str] = (), among: Sequence[Part] = PARTS
 ) -> tuple[Stretch, ...]:
-    """Return when which part runs; ``show`` names parameters whose parts get more time.
-
-    Raises UsageError when ``show`` names no parameter.
-    """
+    """Return when which part runs; those that show what is asked for get more time."""
     return _laid_out(limits, show, among)[0]
 
 

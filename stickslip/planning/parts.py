@@ -108,14 +108,8 @@ class Limits:
 
 LINEAR = Limits()  # suits the paper's stage: its training sweep fits
 
-ROTARY = Limits(
-    stroke=2 * math.pi,
-    speed=2 * math.pi,
-    acceleration=200.0,
-    presliding=(1e-4, 0.1),
-)
+ROTARY = Limits(stroke=2 * math.pi, speed=2 * math.pi, acceleration=200.0, presliding=(1e-4, 0.1))
 """A motor shaft and one turn."""
-
 
 QUICK = 0.1  # shortest move [s]: what most position loops still follow
 
@@ -144,15 +138,9 @@ CREEP = (0.004, 0.2)
 LEVEL_TIME = 0.5  # of each speed of the creep [s]
 PLACES = 0.4  # share of the room over which they are spread
 LEVEL = (
-    (0.06, "move"),
-    (0.2, "move"),
-    (0.28, "creep"),
-    (0.78, "creep"),
-    (0.8, "rest"),
-    (0.88, "rest"),
-    (0.9, "creep"),
-    (1.0, "creep"),
-)
+    (0.06, "move"), (0.2, "move"), (0.28, "creep"), (0.78, "creep"), (0.8, "rest"),
+    (0.88, "rest"), (0.9, "creep"), (1.0, "creep"),
+)  # fmt: skip
 """Corners of one speed of the creep: share of its time, and what is done there."""
 
 
@@ -234,10 +222,7 @@ def sweep(limits: Limits, n: int) -> Array:
 
 
 def _sweep(limits: Limits, n: int) -> Array:
-    """Return a sine of rising frequency, its amplitude from three quarters of the speed to all.
-
-    Its range of frequencies narrows to what stroke and acceleration permit.
-    """
+    """Return a sine of rising frequency, its amplitude from three quarters of the speed to all."""
     stroke, a = limits.room, 0.9 * limits.acceleration
     top = min(limits.speed, math.sqrt(a * stroke) / 2)
     first = max(limits.frequency[0], 0.75 * top / (math.pi * stroke))

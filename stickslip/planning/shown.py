@@ -1,7 +1,5 @@
 """What an experiment will not show of a drive in its loop, said before it is run."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -16,21 +14,12 @@ from stickslip.thresholds import experiment
 class DataSheet:
     """What is known of a drive before it is recorded; for a rotary drive read rad for m.
 
-    Attributes
-    ----------
-    friction : Coulomb friction, about [N]; that of a data sheet or of a first move
-    encoder : step [m]
-    K_p, K_i : gains of the velocity loop [N s/m], [N/m]
-
-    Raises
-    ------
-    UsageError
-        When a value is not positive.
+    Raises UsageError when a value is not positive.
     """
 
-    friction: float | None = None
-    encoder: float | None = None
-    K_p: float | None = None
+    friction: float | None = None  # Coulomb friction, about [N]: of a data sheet or a first move
+    encoder: float | None = None  # step [m]
+    K_p: float | None = None  # gains of the velocity loop [N s/m], [N/m]
     K_i: float | None = None
 
     def __post_init__(self) -> None:
@@ -45,10 +34,7 @@ def not_shown(
     stretches: Iterable[Stretch],
     length: tuple[str, float] = ("m", 1.0),
 ) -> Iterator[str]:
-    """Yield a sentence for each limit of what will show, as far as the data sheet tells.
-
-    ``length`` is the name of the unit of length and its value in m.
-    """
+    """Yield a sentence for each limit of what will show; ``length`` is a unit and its value [m]."""
     samples = sum(one.end - one.begin for one in stretches if "v_s" in one.part.shows)
     lasts = samples / limits.rate
     creep = 0.25 * lasts / levels(lasts)  # time for which each speed is held [s]

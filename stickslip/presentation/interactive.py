@@ -48,10 +48,7 @@ def name_points(line: Line2D, names: Iterable[str]) -> None:
 
 
 def panels(figure: Figure) -> list[Panel]:
-    """Return the panels of a figure that show long lines or named points, with all their lines.
-
-    Panels whose abscissas are linked have the same ``link``.
-    """
+    """Return the panels with long lines or named points; linked ones have the same ``link``."""
     shown = [
         axes
         for axes in figure.axes

@@ -6,8 +6,6 @@ The page holds its figures and its style, and needs no network. Each figure is a
 and SVG, and opens to be zoomed where it has long lines. The same sections give the same bytes.
 """
 
-from __future__ import annotations
-
 import base64
 import io
 import platform
@@ -48,7 +46,7 @@ class Section:
         self.title, self.content = title, content
         self.figures, self.values = figures or {}, values
 
-    def markup(self, pictures: Mapping[str, Picture]) -> Html:
+    def markup(self, pictures: "Mapping[str, Picture]") -> Html:
         """Return the section with its figures as drawn."""
 
         def figure(name: str, alternative: str, caller: Callable[[], Html]) -> Html:
@@ -62,7 +60,7 @@ class Section:
         return Html(parts.section(self.title, content)) if self.title else content
 
 
-def render(title: str, sections: Iterable[Section], pictures: Mapping[str, Picture]) -> str:
+def render(title: str, sections: Iterable[Section], pictures: "Mapping[str, Picture]") -> str:
     """Return a page as HTML; the figures are in the order of their numbers."""
     opened = {name: picture.panels for name, picture in pictures.items() if picture.panels}
     return fill(
@@ -77,11 +75,7 @@ def render(title: str, sections: Iterable[Section], pictures: Mapping[str, Pictu
 def write_page(
     folder: Path, title: str, sections: Sequence[Section], file: str = "report.html"
 ) -> list[Path]:
-    """Write each figure as PNG and SVG, and the page; return the files, the page last.
-
-    The folder is made if it is absent, and each file of the same name replaced atomically. Raises
-    OSError when it cannot be written.
-    """
+    """Write each figure as PNG and SVG, and the page; return the files, the page last."""
     drawn = {name: draw for section in sections for name, draw in section.figures.items()}
     pictures = {name: Picture.of(draw) for name, draw in drawn.items()}
     written = []
@@ -119,7 +113,7 @@ class Picture:
     panels: list[Panel] = field(default_factory=list)  # what a page draws when the figure is opened
 
     @classmethod
-    def of(cls, draw: Callable[[], Figure]) -> Picture:
+    def of(cls, draw: Callable[[], Figure]) -> "Picture":
         """Draw a figure in the house style."""
         with house_style():
             figure = draw()
@@ -131,10 +125,7 @@ class Picture:
         return cls(png.getvalue(), svg.getvalue(), width, panels(figure))
 
     def embedded(self) -> str:
-        """Return the picture as a data URI, which needs no further file.
-
-        As an image of its own its ids and styles do not meet those of the page.
-        """
+        """Return the picture as a data URI, so that its ids and styles do not meet the page's."""
         return "data:image/svg+xml;base64," + base64.b64encode(self.svg).decode("ascii")
 
 

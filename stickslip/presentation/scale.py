@@ -1,7 +1,5 @@
 """Units in which signals and parameters read best, and signals thinned to what figures resolve."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,10 +13,7 @@ COLUMNS = 700  # More than a printed page's width resolves
 
 
 def thinned(t: Array, signal: Array, columns: int = COLUMNS) -> tuple[Array, Array]:
-    """Return a signal (n,) at times (n,) with at most 2 columns values, which draw the same line.
-
-    They are the least and the largest of each stretch of time, in their order.
-    """
+    """Return the extremes of stretches of a signal (n,) at times (n,), which draw the same line."""
     if len(t) <= 2 * columns:
         return t, signal
     kept = []
@@ -47,7 +42,7 @@ class Scale:
     unit: str
 
     @classmethod
-    def of(cls, size: float, unit: str) -> Scale:
+    def of(cls, size: float, unit: str) -> "Scale":
         """Return the prefix with which a size in an SI unit, as printed, reads as 1 or more."""
         fitting = (prefix for prefix in PREFIXES if SLACK * prefix <= size)
         prefix = next(fitting, min(PREFIXES)) if size > 0.0 else 1.0

@@ -35,39 +35,18 @@ DASHED: Any = (0, (4, 2))
 SMALL = 7.5  # Small print [pt]
 
 _STYLE: Any = {
-    "font.family": ["STIXGeneral", "DejaVu Sans"],
-    "mathtext.fontset": "stix",
-    "font.size": 9.0,
-    "axes.titlesize": 9.0,
-    "axes.titlelocation": "left",
-    "axes.labelsize": 9.0,
-    "xtick.labelsize": 8.0,
-    "ytick.labelsize": 8.0,
-    "legend.fontsize": 8.0,
-    "legend.frameon": False,
-    "legend.handlelength": 1.8,
-    "text.color": INK,
-    "axes.edgecolor": INK,
-    "axes.labelcolor": INK,
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "xtick.minor.width": 0.4,
-    "ytick.minor.width": 0.4,
-    "lines.linewidth": LINE,
-    "lines.markersize": 4.0,
-    "grid.color": FAINT,
-    "grid.linewidth": 0.4,
-    "axes.axisbelow": True,
-    "figure.facecolor": "white",
-    "savefig.facecolor": "white",
-    "svg.hashsalt": "stickslip",
+    "font.family": ["STIXGeneral", "DejaVu Sans"], "mathtext.fontset": "stix", "font.size": 9.0,
+    "axes.titlesize": 9.0, "axes.titlelocation": "left", "axes.labelsize": 9.0,
+    "xtick.labelsize": 8.0, "ytick.labelsize": 8.0, "legend.fontsize": 8.0,
+    "legend.frameon": False, "legend.handlelength": 1.8, "text.color": INK,
+    "axes.edgecolor": INK, "axes.labelcolor": INK, "xtick.color": INK, "ytick.color": INK,
+    "axes.linewidth": 0.6, "axes.spines.top": False, "axes.spines.right": False,
+    "xtick.major.width": 0.6, "ytick.major.width": 0.6, "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4, "lines.linewidth": LINE, "lines.markersize": 4.0,
+    "grid.color": FAINT, "grid.linewidth": 0.4, "axes.axisbelow": True,
+    "figure.facecolor": "white", "savefig.facecolor": "white", "svg.hashsalt": "stickslip",
     "svg.fonttype": "path",
-}
+}  # fmt: skip
 _LOCK = Lock()
 
 
@@ -81,10 +60,7 @@ def _boxes() -> Iterator[None]:
 
 @contextmanager
 def house_style() -> Iterator[None]:
-    """Draw and save in the house style; matplotlib's own settings are back afterwards.
-
-    They are global, so only one thread at a time draws.
-    """
+    """Draw and save in the house style, which is global: only one thread at a time draws."""
     with _LOCK, mpl.rc_context(), _boxes():
         mpl.rcdefaults()
         mpl.rcParams.update(_STYLE)

@@ -13,8 +13,6 @@ A row has values in SI units by the name of their column. A column is not shown 
 description: without ``text`` not on a terminal, without ``head`` not on a page.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -31,31 +29,18 @@ Row = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table.
+    """A column of a table."""
 
-    Attributes
-    ----------
-    name : of its values in a row, and its key in files
-    text : how a terminal shows it: a format of its value, or a function of the row
-    title : its head on a terminal
-    head : its head on a page
-    cell : what a page shows of a row; by default what a terminal does where that is a function,
-        else the number, or the text as it is
-    digits : significant ones of a number on a page
-    unit : with which files state its values
-    stored : whether files have it
-    words : whether it is set to the left; by default unless its values are numbers
-    """
-
-    name: str
-    text: str | Callable[[Row], str] | None = None
-    title: str = ""
-    head: str | None = None
+    name: str  # of its values in a row, and its key in files
+    text: str | Callable[[Row], str] | None = None  # on a terminal: a format of the value, or this
+    title: str = ""  # its head on a terminal
+    head: str | None = None  # its head on a page
+    # what a page shows; by default as ``text`` if a function, else the number, or text as it is
     cell: Callable[[Row], str] | None = None
-    digits: int = 4
-    unit: str = ""
-    stored: bool = True
-    words: bool | None = None
+    digits: int = 4  # significant ones of a number on a page
+    unit: str = ""  # with which files state its values
+    stored: bool = True  # whether files have it
+    words: bool | None = None  # whether it is set to the left; by default unless it is numbers
 
     def on_terminal(self, row: Row) -> str:
         """Return the value of a row as a terminal shows it; a dash where it is not finite."""
@@ -90,10 +75,7 @@ def share(name: str, head: str, unit: str = "") -> Column:
 
 
 def scaled(name: str, scale: Callable[[Row], Scale], head: str, text: str | None = None) -> Column:
-    """Return a column of values in the unit in which those of a row read best.
-
-    A terminal shows the same, unless a format of the value is given.
-    """
+    """Return a column in the unit in which it reads best, on a terminal, too, unless formatted."""
 
     def shown(row: Row) -> str:
         return number(scale(row).factor * row[name], 3)
@@ -114,7 +96,7 @@ class Table:
     rows: Sequence[Row]
 
     @classmethod
-    def of(cls, columns: Sequence[Column], frame: pd.DataFrame) -> Table:
+    def of(cls, columns: Sequence[Column], frame: pd.DataFrame) -> "Table":
         """Return a table with the rows of a DataFrame."""
         rows: Any = frame.to_dict("records")
         return cls(columns, rows)

@@ -129,10 +129,7 @@ def commissioning_loop(sheet: Datasheet, T_s: float = COMMISSIONING.T_s) -> Velo
 
 
 def refuse(limits: RigLimits, command: Command) -> None:
-    """Check a command before anything moves.
-
-    Raises LimitError when the command itself exceeds a limit.
-    """
+    """Check a command before anything moves; raise LimitError where it exceeds a limit."""
     watch = Watch(limits, command.T_s)
     driven = command.added_force if command.force is None else command.force
     checks = {} if driven is None else {"force": driven}
@@ -292,11 +289,7 @@ class Rig(ABC):
 
     @contextmanager
     def trials(
-        self,
-        v_cmd: Array,
-        loop: VelocityLoop,
-        *,
-        compensated: bool = True,
+        self, v_cmd: Array, loop: VelocityLoop, *, compensated: bool = True
     ) -> Iterator[Trial]:
         """Return what runs a velocity command (n,) [m/s] with compensators on the drive: Fig. 3.
 

@@ -88,10 +88,7 @@ class FmuRig(Rig):
 
 @contextmanager
 def rig_of(truth: Changes, law: str = "lugre") -> Iterator[FmuRig]:
-    """Build a drive with these parameters on its test bench; its files are removed afterwards.
-
-    ``law`` is the friction law of the compensator.
-    """
+    """Build a drive on its bench, for a compensator of a law, and remove its files afterwards."""
     with temporary_folder() as fmus:
         build_fmus(fmus, truth, law)
         yield FmuRig(fmus, Datasheet(), LOOP.T_s, law)

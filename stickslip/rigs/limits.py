@@ -56,10 +56,7 @@ class Watch:
         self._commanded: float | None = None
 
     def exceeded(self, what: str, value: float) -> str:
-        """Return which limit a value exceeds, or an empty text.
-
-        It is a ``position`` [m], ``speed`` [m/s], ``force`` [N] or ``following_error`` [m].
-        """
+        """Return which limit a value exceeds [m, m/s, N, m], or an empty text."""
         if what == "position":
             low, high = self.limits.travel
             within, expected = low <= value <= high, f"{low:g} to {high:g} m"

@@ -61,10 +61,7 @@ class Lines:
         self._rest = b""
 
     def messages(self, received: bytes) -> Iterator[dict[str, Any]]:
-        """Yield the messages that are complete.
-
-        Raises ValueError when a line is too long or is not a JSON object, or is nested too deeply.
-        """
+        """Yield the complete messages; raise ValueError for a line that is too long or none."""
         *lines, self._rest = (self._rest + received).split(b"\n")
         if len(self._rest) > LONGEST:
             raise ValueError(f"a line is longer than {LONGEST} bytes")

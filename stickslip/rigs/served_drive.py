@@ -20,10 +20,7 @@ COMPONENT = "fmu"  # its name in the system of one FMU
 def stepped(
     path: Path, T_s: float, inputs: Sequence[str], outputs: Sequence[str]
 ) -> cosim.Simulation:
-    """Return a simulation of one FMU for Co-Simulation, to be stepped a sample at a time.
-
-    Raises UsageError when it has no such inputs or outputs.
-    """
+    """Return a simulation of one FMU, to be stepped; raise UsageError without such variables."""
     fmu = cosim.Fmu(path, interface="co_simulation")
     for name, kind in (*((n, "input") for n in inputs), *((n, "output") for n in outputs)):
         if name not in fmu.variables or fmu.variables[name].causality != kind:
@@ -76,10 +73,7 @@ class ServedDrive:
         loop: Mapping[str, float],
         limits: RigLimits,
     ) -> None:
-        """Begin a motion, with signals of a ``Command`` and parameters of the controller.
-
-        Raises CosimError when the controller does not take its parameters; then nothing has begun.
-        """
+        """Begin a motion with parameters of the controller, unless that raises CosimError."""
         self._start_controller(loop)
         self._signals = {name: values.tolist() for name, values in signals.items()}
         self._n = len(next(iter(self._signals.values())))

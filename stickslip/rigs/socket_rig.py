@@ -185,10 +185,7 @@ class SocketRig(Rig):
         self._patience = patience
 
     def _request(self, what: str, **fields: Any) -> dict[str, Any]:
-        """Send a request until it is answered, over a new connection if need be.
-
-        Raises RigError when it is refused, or not answered for ``patience``.
-        """
+        """Send a request until it is answered, over a new connection if need be; raise RigError."""
         if "limits" in fields:
             fields["limits"] = sent_limits(fields["limits"])
         first, why = self._seq + 1, "it does not answer"

@@ -19,7 +19,6 @@ from stickslip.storage.codec import entry
 if TYPE_CHECKING:
     import control
 
-
 Array = NDArray[np.float64]
 
 

@@ -65,10 +65,7 @@ class Robustness:
 def sliding(
     loop: VelocityLoop, friction: float, samples: int, speed: float = SPEED
 ) -> dict[str, Array]:
-    """Return what a compensator sees in motion at constant speed against a friction [N], by role.
-
-    Arrays are (samples,).
-    """
+    """Return what compensators see (samples,) at constant speed against a friction [N], by role."""
     v, force = np.full(samples, speed), np.full(samples, friction + loop.axis.b * speed)
     x = np.asarray(speed * loop.T_s * np.arange(samples), dtype=float)
     return {"v_ref": v, "x_enc": x, "F_motor": force, "v_est": v, "u": force}
@@ -107,7 +104,10 @@ class ChainResponse:
         m: float | None = None,  # true mass [kg], by default that of the loop's axis
     ) -> Robustness:
         """Return how robust a loop with the chain is."""
-        opened = self._opened_at(loop, m)
+        known = self._opened  # the loop without the chain, of the last call
+        if known is None or known[0] is not loop or known[1].m != (m or loop.axis.m):
+            known = self._opened = loop, OpenLoop(loop, m, frequencies(loop))
+        opened = known[1]
         found = self.responses([opened], values, friction)
         if not found:
             return Robustness(np.inf, np.inf)
@@ -119,20 +119,10 @@ class ChainResponse:
     def responses(
         self, axes: Sequence[OpenLoop], values: Mapping[str, float], friction: float
     ) -> list[Response]:
-        """Return how a loop with the chain responds on several axes; none if it is unstable on one.
-
-        Each axis is the loop opened on it, at ``frequencies``.
-        """
+        """Return how a loop with the chain responds opened on several axes; none if unstable."""
         measured = self._impulses(axes[0].loop, values, friction) if self._simulation else {}
         found = [opened.response_with(measured) for opened in axes]
         return [response for response, _ in found] if all(stable for _, stable in found) else []
-
-    def _opened_at(self, loop: VelocityLoop, m: float | None) -> OpenLoop:
-        """Return the loop without the chain; that of the last call where it is the same."""
-        known = self._opened
-        if known is None or known[0] is not loop or known[1].m != (m or loop.axis.m):
-            known = self._opened = loop, OpenLoop(loop, m, frequencies(loop))
-        return known[1]
 
     def _impulses(
         self, loop: VelocityLoop, values: Mapping[str, float], friction: float

@@ -19,10 +19,7 @@ _SHARES = np.geomspace(1e-5, 1.0, 4001)[:-1]  # of half the sample rate
 
 
 def frequency_response(system: control.StateSpace, f: Array | float) -> NDArray[np.complex128]:
-    """Return the response, (n,) or (), of a discrete system with one input and one output.
-
-    The frequencies f (n,), or one, are in Hz.
-    """
+    """Return the response, (n,) or (), of a discrete system of one input and output at f [Hz]."""
     return respond(system, np.exp(2j * np.pi * np.asarray(f) * system.dt))[..., 0, 0]
 
 

@@ -4,8 +4,6 @@ The C of the models is compiled for vectors, see ``models/lanes``. A run that fa
 the FMUs, which say why.
 """
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from ctypes import CDLL, Structure, addressof, byref, c_double, c_int, c_int64, c_void_p
@@ -74,11 +72,7 @@ class _LaneRun(Structure):
 
 
 class Lanes:
-    """A system whose runs go in lanes; any number of threads may use it.
-
-    Raises NoLanes when it has FMUs other than ours, or settings other than the usual, or where they
-    cannot be compiled.
-    """
+    """A system whose runs go in lanes, in any number of threads; raises NoLanes otherwise."""
 
     def __init__(self, specification: cosim.Specification, level: int | None = None) -> None:
         self._plan = plan = Plan(specification)
@@ -145,10 +139,7 @@ class Lanes:
         return int(_loaded(model.name, law).lane_model(self._level))
 
     def run(self, runs: Sequence[Run], each: Each | None = None) -> Results:
-        """Return the results; None for each run that is left to the FMUs.
-
-        Runs of a like length go together; ``each`` maps several at a time, where given.
-        """
+        """Return the results, None if left to the FMUs; ``each`` maps runs of like lengths."""
         order = sorted(range(len(runs)), key=lambda k: -(runs[k].until or np.inf))
         split = np.array_split(np.array(order, dtype=int), max(1, -(-len(runs) // LANES)))
         parts = [part.tolist() for part in split if len(part) >= FEWEST]
@@ -215,7 +206,7 @@ class Lanes:
         return own | {name: whole[name] for name in self._whole & own.keys()}
 
     def _external(self, inputs: Mapping[str, Input], values: Array, n: int) -> Array:
-        """Return the exposed inputs (n + 1, number); ValueError where they are not numbers."""
+        """Return the exposed inputs (n + 1, number); raise ValueError without numbers."""
         exposed = self._plan.spec.system.inputs
         table = np.empty((n + 1, len(exposed)))
         for column, (name, targets) in enumerate(exposed.items()):

@@ -98,17 +98,11 @@ def blended_velocity(x_enc: Array, F_m: Array, m: float, T_s: float) -> Array:
 
 
 def level(p: Mapping[str, float], v: Array | float) -> Array:
-    """Return g (k,) [N] at velocities (k,) [m/s]; ``delta`` is the paper's 1 if not given.
-
-    Without F_s, friction is F_c at each speed.
-    """
+    """Return g (k,) [N] at velocities (k,) [m/s]: F_c without F_s; ``delta`` is 1 if not given."""
     if "F_s" not in p:
         return np.full(np.shape(v), p["F_c"])
-    return p["F_c"] + (p["F_s"] - p["F_c"]) * _rest(p, np.abs(v))
-
-
-def _rest(p: Mapping[str, float], v: Array | float) -> Array:
-    return np.asarray(np.exp(-((np.asarray(v) / p["v_s"]) ** p.get("delta", 1.0))))
+    rest = np.asarray(np.exp(-((np.asarray(np.abs(v)) / p["v_s"]) ** p.get("delta", 1.0))))
+    return p["F_c"] + (p["F_s"] - p["F_c"]) * rest
 
 
 def turns(x: Array, swing: float) -> int:

@@ -16,7 +16,6 @@ NOMINAL_ORDER = 8  # states that the nominal-loop FMU has room for
 COMPONENTS = ("controller", "drive", "filter", "nominal")
 """Names in a loop beside those of the compensators."""
 
-
 _MEASURED = {
     "x_enc": "{drive}.x_enc",
     "F_motor": "{drive}.F_m",
@@ -97,10 +96,7 @@ def build_fmus(
 
 
 def for_all_platforms(system: cosim.System, folder: Path, truth: Changes, law: str) -> cosim.System:
-    """Return a system of FMUs of ``build_fmus`` with the same FMUs, built for all platforms.
-
-    They are built in the folder; truth and law are as for ``build_fmus``.
-    """
+    """Return a system with the same FMUs, built into a folder for all platforms."""
     fmus = system.fmus("a loop")
     build_fmus(
         folder, truth, law, {fmu.path.stem for fmu in fmus.values()}, platforms=PLATFORMS.values()
@@ -119,10 +115,7 @@ def servo_loop(fmus: Path, loop: VelocityLoop) -> cosim.System:
 
 
 def feedforward(fmus: Path, loop: VelocityLoop, compensator: Mapping[str, float]) -> cosim.System:
-    """Return nominal loop and compensator without a drive, with the inputs of ``loop.commands``.
-
-    The compensator is its parameters by name.
-    """
+    """Return nominal loop and compensator alone, with the inputs of ``loop.commands``."""
     system = cosim.System("feedforward")
     chain = [Compensator("compensator", "compensator", compensator)]
     system.add("nominal", fmus / "nominal_loop.fmu", nominal_parameters(loop))
@@ -178,10 +171,7 @@ def build_loop(
 def lone_chain(
     fmus: Path, loop: VelocityLoop, compensators: Sequence[Compensator]
 ) -> tuple[cosim.System, str]:
-    """Return compensators without a loop, and the name of the last one's force.
-
-    The inputs are the roles of the signals that they take, such as ``x_enc``.
-    """
+    """Return compensators without a loop, its inputs named by role, and the last one's force."""
     system = cosim.System("chain")
     force, referenced = _add_chain(system, fmus, loop, compensators)
     taken: dict[str, list[str]] = {"v_ref": referenced}

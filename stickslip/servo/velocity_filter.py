@@ -21,10 +21,7 @@ from stickslip.servo.axis import Axis, check
 
 @dataclass(frozen=True)
 class FilterSpecification:
-    """Noise and disturbance that the filter assumes.
-
-    Raises ControlError when a number is out of its range.
-    """
+    """Noise and disturbance that the filter assumes; raises ControlError out of their range."""
 
     encoder_step: float  # resolution of the encoder [m]
     force_noise: float  # standard deviation of the force from sample to sample [N]

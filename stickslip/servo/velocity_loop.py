@@ -261,10 +261,7 @@ def _with_position(closed: control.StateSpace, K_x: float, share: float) -> cont
 def plant_and_estimator(
     axis: Axis, T_s: float, tau_f: float, velocity_filter: VelocityFilter | None
 ) -> tuple[control.StateSpace, control.StateSpace]:
-    """Return the axis, whose first output is v, and what estimates v from the others.
-
-    Raises ControlError when the filter has another sample period.
-    """
+    """Return the axis, whose first output is v, and what estimates v from the others."""
     if velocity_filter is None:
         return _plant(axis, T_s), _estimator(T_s, tau_f)
     same = velocity_filter.T_s == T_s

@@ -15,14 +15,6 @@ from stickslip.storage.publishing import UNFINISHED, complete, completed, reserv
 from stickslip.storage.verification import verify
 
 __all__ = [
-    "MANIFEST",
-    "UNFINISHED",
-    "complete",
-    "completed",
-    "locked",
-    "refuse_foreign",
-    "reserved",
-    "staged",
-    "verify",
-    "writable",
-]
+    "MANIFEST", "UNFINISHED", "complete", "completed", "locked", "refuse_foreign", "reserved",
+    "staged", "verify", "writable",
+]  # fmt: skip

@@ -21,10 +21,7 @@ Unit = str | Mapping[str, str] | Callable[[str], str]
 
 
 def entry(unit: Unit = "", key: str = "", *, stored: bool = True) -> dict[str, Any]:
-    """Return the metadata of a field: unit and name in files, and whether they have it.
-
-    The name is by default that of the field.
-    """
+    """Return the metadata of a field: unit, its name in files if another, whether it is stored."""
     return {"unit": unit, "key": key, "stored": stored}
 
 

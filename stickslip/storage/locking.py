@@ -53,10 +53,7 @@ def is_locked(folder: Path) -> bool:
 
 @contextmanager
 def writable(folder: Path) -> Iterator[None]:
-    """Make a folder and try to write there; what was made and is empty at the end is deleted.
-
-    Raises UsageError when that is not possible.
-    """
+    """Make a folder and try to write there, or raise UsageError; delete it if still empty."""
     made = [path for path in (folder, *folder.parents) if not os.path.lexists(path)]
     try:
         try:

@@ -1,7 +1,5 @@
 """What belongs to a folder of results: which command wrote which files, and their hashes."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os
@@ -32,7 +30,7 @@ class Manifest:
     # by the names of files that other commands wrote: the command
     earlier: Mapping[str, Command] = field(default_factory=dict)
 
-    def followed_by(self, later: Manifest, removed: Collection[str]) -> Manifest:
+    def followed_by(self, later: "Manifest", removed: Collection[str]) -> "Manifest":
         """Return the manifest after another command has written its set into the folder.
 
         The set that the same command wrote before goes; files of other commands stay, but for
@@ -59,12 +57,8 @@ class Manifest:
         return json.dumps(content, indent=2) + "\n"
 
     @classmethod
-    def read(cls, folder: Path) -> Manifest:
-        """Read it from a folder.
-
-        Raises ResultsError when there is none, or none that can be trusted to name files of the
-        folder.
-        """
+    def read(cls, folder: Path) -> "Manifest":
+        """Read it from a folder; raise ResultsError where none is there that can be trusted."""
         path = folder / MANIFEST
         try:
             require_regular_file(path)
@@ -104,10 +98,7 @@ def _name(command: Command) -> str:
 
 
 def hash_of(path: Path) -> str:
-    """Return the SHA-256 of a plain file.
-
-    Raises OSError when it is absent, is a link or not a file, or cannot be read.
-    """
+    """Return the SHA-256 of a plain file; raise OSError when it is none, or cannot be read."""
     require_regular_file(path)
     return digest(path)
 
@@ -143,10 +134,7 @@ def refuse_foreign(folder: Path, names: Iterable[str]) -> None:
 
 
 def refuse_places(folder: Path, name: str) -> None:
-    """Refuse to put a file where a link, a folder or a file is in its way.
-
-    Raises OSError when there is one; it names it.
-    """
+    """Raise OSError, which names it, where a link, folder or file is in the place of a file."""
     for place in [folder / parent for parent in Path(name).parents[-2::-1]]:
         if place.is_symlink() or (place.exists() and not place.is_dir()):
             raise OSError(errno.ENOTDIR, "is in the way, expected a folder", str(place))

@@ -104,11 +104,7 @@ def completed(
 
 
 def complete(folder: Path) -> None:
-    """Move in what a killed process left ready.
-
-    Raises UsageError when another process writes there, or this one may not, or ResultsError when a
-    file cannot be moved.
-    """
+    """Move in what a killed process left ready; raise UsageError or ResultsError."""
     if os.path.lexists(folder / READY):
         with locked(folder), held():
             _move_in(folder)
@@ -178,10 +174,7 @@ def files_in(folder: Path) -> list[str]:
 
 
 def remove_results(folder: Path) -> None:
-    """Delete the files that the manifest lists, the manifest, and what folders are empty then.
-
-    Files that someone has changed or added stay.
-    """
+    """Delete the unchanged files of the manifest, the manifest, and folders then empty."""
     with suppress(ResultsError), locked(folder):
         manifest = Manifest.read(folder)
         ours = unchanged(folder, manifest, manifest.sha256.keys())

@@ -16,16 +16,10 @@ from typing import Self
 
 
 class Threshold(float):
-    """A number that decides.
+    """A number that decides."""
 
-    Attributes
-    ----------
-    evidence : the decision, page or command with the figures behind the number
-    unit : of the number
-    """
-
-    evidence: str
-    unit: str
+    evidence: str  # the decision, page or command with the figures behind the number
+    unit: str  # of the number
 
     def __new__(cls, value: float, evidence: str = "not measured", unit: str = "1") -> Self:
         """Return the number with its evidence and unit."""

@@ -10,8 +10,6 @@ Errors are against the motion of the loop without friction: what is left of them
 compensator can still do. In a cascade the position counts, too.
 """
 
-from __future__ import annotations
-
 import math
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -68,7 +66,7 @@ class Variant:
         """Whether a share of its force can be taken."""
         return any(one.name == FEEDFORWARD for one in self.chain)
 
-    def share(self, law: Law, share: float) -> Variant:
+    def share(self, law: Law, share: float) -> "Variant":
         """Return the same with a share of the feedforward's force, of that law or of its own."""
 
         def shared(one: Compensator) -> Compensator:
@@ -116,10 +114,7 @@ def feedforward(
 
 @dataclass(frozen=True)
 class TrialError:
-    """RMS error [m/s] or [m] on one simulated drive, without and with compensation.
-
-    Errors are against the motion of the loop without friction.
-    """
+    """RMS error [m/s] or [m] on a simulated drive, against its loop without friction."""
 
     speed: float  # largest of the command [m/s]
     drive: str  # how its friction differs from the fitted one
@@ -222,7 +217,7 @@ class Benefit:
     beyond: Rows = ()  # on drives that do not decide, at that share
     swept: Rows = ()  # in the sweep of commands, at that share; only of what would be written
 
-    def whole(self) -> Benefit:
+    def whole(self) -> "Benefit":
         """Return the same with the whole force."""
         return replace(self, share=1.0, rows=self.full, swept=())
 
@@ -336,6 +331,11 @@ class Bench:
     workers: int = 1  # number of runs in parallel
     onsets: Sequence[float] = ()  # displacements from which observers may act [m]
     sweep: Sequence[Command] = ()  # on which all drives are tried with what would be written
+    # loops by the models and parameters of their compensators
+    _prepared: "dict[object, LoopRuns]" = field(default_factory=dict, init=False)
+    # errors by loop, parameters, drive and command; largest ratios by command of the sweep
+    _known: dict[object, Errors] = field(default_factory=dict, init=False)
+    _worst: dict[Command, float] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
         own, *others = self.laws
@@ -363,11 +363,6 @@ class Bench:
         return max(float(np.ptp(np.cumsum(one.v_cmd))) for one in moves) * self.loop.T_s
 
     @cached_property
-    def _worst(self) -> dict[Command, float]:
-        """Largest ratio that was found by command of the sweep."""
-        return dict.fromkeys(self.sweep, 0.0)
-
-    @cached_property
     def targets(self) -> dict[Command, dict[str, Array]]:
         """Signals (n,) of the loop without friction, by command and name."""
         figures = ("drive.v", "drive.x") if self.loop.K_x else ("drive.v",)
@@ -392,16 +387,6 @@ class Bench:
     def own_inputs(self) -> dict[Command, dict[str, Array]]:
         """Those of the bench's loop."""
         return self.inputs(self.loop)
-
-    @cached_property
-    def _prepared(self) -> dict[object, LoopRuns]:
-        """Loops by the models and parameters of their compensators."""
-        return {}
-
-    @cached_property
-    def _known(self) -> dict[object, Errors]:
-        """Errors by loop, parameters, drive and command."""
-        return {}
 
     def _errors(self, variant: Variant, cells: Sequence[Cell]) -> list[Errors]:
         """Return the errors with a variant in each cell."""
@@ -461,7 +446,7 @@ class Bench:
         """
         found = Rows()
         deciding = [one for one in self.drives if one.decides]
-        for command in sorted(self.sweep, key=lambda one: -self._worst[one]):
+        for command in sorted(self.sweep, key=lambda one: -self._worst.get(one, 0.0)):
             cells = [(drive, command) for drive in deciding]
             without = [(0.0,)] * len(cells)
             for one in self._beside[command]:
@@ -536,13 +521,7 @@ def bench_of(
         step, rotary = datasheet.encoder_step, loop.axis.rotary
         stiffness = loop.K_i + loop.K_p * loop.K_x
         tried = commands(
-            command,
-            loop.T_s,
-            friction,
-            step,
-            stiffness=stiffness,
-            rotary=rotary,
-            drives=drives,
+            command, loop.T_s, friction, step, stiffness=stiffness, rotary=rotary, drives=drives
         )
         bench = Bench(
             folder,
@@ -562,10 +541,7 @@ def bench_of(
 
 
 class LoopRuns(ExitStack):
-    """A loop with a chain of compensators: its runs on drives of any law, in lanes if possible.
-
-    Use it in a ``with`` block.
-    """
+    """A loop with compensators: its runs on drives of any law, in lanes if possible."""
 
     def __init__(
         self,
@@ -586,10 +562,7 @@ class LoopRuns(ExitStack):
     def outcomes(
         self, loops: Sequence[Mapping[str, float]], cells: Sequence[Cell], *, in_lanes: bool = True
     ) -> list[list[Outcome]]:
-        """Return the run with each of some parameters in each cell, or why it failed.
-
-        It is ``Diverged`` where the drive has run away. Lanes have the bits of the FMUs.
-        """
+        """Return the run with each of some parameters in each cell, or why it failed."""
         found: dict[tuple[int, int], Outcome] = {}
         for law in steps(list(dict.fromkeys(drive.law for drive, _ in cells))):
             own = [k for k, (drive, _) in enumerate(cells) if drive.law == law]

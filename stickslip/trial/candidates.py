@@ -7,8 +7,6 @@ the peak sensitivity, instead of a search on the drive. Each is first run once o
 the family; the best of each kind are then tried on all of it, each at the best share of its force.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
@@ -29,17 +27,9 @@ from stickslip.servo.observer import FORCE_NOISE, DesignedObserver, design_obser
 from stickslip.servo.sensitivity import OpenLoop, Response
 from stickslip.servo.systems import Compensator
 from stickslip.thresholds import harm, offer
+from stickslip.trial import observed
 from stickslip.trial.benefit import SHARES as FORCES
 from stickslip.trial.benefit import Bench, Benefit, Variant, feedforward
-from stickslip.trial.observed import (
-    BOTH,
-    FEEDFORWARD,
-    OBSERVER,
-    SHARES,
-    Choice,
-    ObserverDesign,
-    strongest,
-)
 
 AUTO = "auto"  # stands for the compensator that does best, and for the law that a log shows
 QUICK = 3  # drives on which candidates are compared first: as fitted, less, more friction
@@ -65,7 +55,7 @@ class Row:
     simplicity: int  # 0 for no compensator; more for one that is less simple
     sensitivity: float  # largest peak sensitivity for the masses that the log allows
     benefit: Benefit | None = None  # what it does on the family of drives; None for no compensator
-    designed: ObserverDesign | None = None  # its observer; None without one
+    designed: observed.ObserverDesign | None = None  # its observer; None without one
 
     @property
     def mean(self) -> float:
@@ -83,13 +73,13 @@ class Row:
         return self.benefit is None or self.benefit.acceptable
 
     @property
-    def choice(self) -> Choice:
+    def choice(self) -> observed.Choice:
         """Which of feedforward and observer it is."""
         if self.benefit is None:
             return ""
         if not self.benefit.variant.has_feedforward:
-            return OBSERVER
-        return BOTH if self.designed else FEEDFORWARD
+            return observed.OBSERVER
+        return observed.BOTH if self.designed else observed.FEEDFORWARD
 
 
 @dataclass(frozen=True)
@@ -140,7 +130,7 @@ class CompensatorComparison:
             f" {other.name}, leaves {other.mean:.3g}"
         )
 
-    def whole(self) -> CompensatorComparison:
+    def whole(self) -> "CompensatorComparison":
         """Return the same with the whole force of each feedforward, as it is by itself."""
         rows = (
             replace(row, benefit=row.benefit.whole()) if row.benefit else row for row in self.rows
@@ -149,10 +139,7 @@ class CompensatorComparison:
 
 
 def offered(law: Law, absent: Sequence[str] = ()) -> dict[str, Part]:
-    """Return the parts of compensators of a law by name, feedforward first.
-
-    ``absent`` are the signals of ``SIGNALS`` that the controller lacks.
-    """
+    """Return parts of compensators of a law by name, without those of ``absent`` signals."""
     lacking = {SIGNALS[name] for name in absent}
     found = {
         name: part
@@ -341,7 +328,7 @@ class _Candidates(ExitStack):
             before = behind.benefit.variant.share(self.bench.law, behind.benefit.share).chain
         return self.bench.quick_ratio(Variant(part.name, (*before, designed.observer)), QUICK)
 
-    def _from_best(self, part: Part, *, alone: bool) -> Iterator[ObserverDesign]:
+    def _from_best(self, part: Part, *, alone: bool) -> Iterator[observed.ObserverDesign]:
         """Yield observers from fast to weak, from the one on that alone is best on few drives."""
         designs = self._designs(part, alone=alone)
         with suppress(ControlError):
@@ -369,7 +356,9 @@ class _Candidates(ExitStack):
                 designed.changed(onset) for designed in self._from_best(part, alone=not together)
             )
             try:
-                designed, benefit = strongest(self.bench, first, designs, together=together)
+                designed, benefit = observed.strongest(
+                    self.bench, first, designs, together=together
+                )
             except ControlError:
                 return []
             if benefit.acceptable and benefit.mean_ratio <= offer.GAIN:
@@ -381,7 +370,7 @@ class _Candidates(ExitStack):
         simplicity = 4 if together else 3
         return [Row(name, simplicity, designed.sensitivity, benefit, designed=designed)]
 
-    def _designs(self, part: Part, *, alone: bool) -> Iterator[ObserverDesign]:
+    def _designs(self, part: Part, *, alone: bool) -> Iterator[observed.ObserverDesign]:
         """Yield observers from fast to weak, all within the limit of Ms."""
         values = self._values(part, alone=alone)
         if part.design:
@@ -390,7 +379,7 @@ class _Candidates(ExitStack):
             for factor in SLOWER:
                 gains = designed.slower(factor).parameters()
                 yield from self._within(part, {**values, **gains})
-            for share in SHARES:
+            for share in observed.SHARES:
                 yield from self._within(part, {**values, **gains, "share": share})
             return
         gene, *_ = part.ranges
@@ -398,7 +387,7 @@ class _Candidates(ExitStack):
         slower = [value for value in self._grid(part) if value <= best]
         for value in reversed(slower):
             yield from self._within(part, {**values, gene: value})
-        for share in SHARES if slower else ():
+        for share in observed.SHARES if slower else ():
             whole = {**values, gene: slower[0]}
             shared = {"share": share} if "share" in whole else self.bench.law.share(whole, share)
             yield from self._within(part, {**whole, **shared})
@@ -411,14 +400,14 @@ class _Candidates(ExitStack):
             self._designed[order] = designed
         return self._designed[order]
 
-    def _within(self, part: Part, values: Mapping[str, float]) -> Iterator[ObserverDesign]:
+    def _within(self, part: Part, values: Mapping[str, float]) -> Iterator[observed.ObserverDesign]:
         """Yield an observer if its peak sensitivity is within the limit while it acts."""
         peaks = [response.peak for response in self._measured(part, values)]
         if peaks and max(peaks) <= offer.SENSITIVITY:
             first = next(iter(self._onsets(part)), {})
             observer = Compensator("observer", part.model, {**values, **first})
             observer = replace(observer, values=observer.parameters(self.bench.loop))
-            yield ObserverDesign(observer, max(peaks), self._without)
+            yield observed.ObserverDesign(observer, max(peaks), self._without)
 
     def _onsets(self, part: Part) -> Sequence[Mapping[str, float]]:
         """Return the values of ``onset``, if the model of a part has one, to be tried in turn."""
@@ -432,10 +421,7 @@ class _Candidates(ExitStack):
         return [float(value) for value in np.geomspace(low, high, GRID)]
 
     def _searched(self, part: Part, values: Mapping[str, float]) -> float:
-        """Return the first gene with the least product of peak sensitivity and expected error.
-
-        It is 0 where no value is better than no observer.
-        """
+        """Return the first gene with the least product of Ms and error; 0 where none is better."""
         gene, *_ = part.ranges
         weights = self.bench.datasheet.encoder_step, self.F_c, FORCE_NOISE * self.F_c
 

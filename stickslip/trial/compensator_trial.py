@@ -15,10 +15,7 @@ from stickslip.cosim import Trapezoid
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.identification.criteria.motion import encoder_noise, position_of
 from stickslip.identification.estimation import Estimation, LearnSettings
-from stickslip.identification.fitting.identifiability import (
-    IDENTIFIABLE,
-    bounded_by,
-)
+from stickslip.identification.fitting.identifiability import IDENTIFIABLE, bounded_by
 from stickslip.logs import Reading, Recording
 from stickslip.models import Law
 from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet, LoopSpecification
@@ -48,26 +45,16 @@ class Loops(NamedTuple):
 
 @dataclass(frozen=True)
 class SimulatedTrial:
-    """What trying a compensator on simulated drives gave.
-
-    Attributes
-    ----------
-    command, datasheet, drives : what it was tried on
-    benefit : tracking errors with feedforward of the law, and the share of its force that passes
-    warnings : where a cascade does not come to rest, a line each
-    compared : all compensators that were tried
-    others : the same as ``benefit`` for other ways to compensate
-    holds : how a cascade holds its position, by name of the way to compensate; else empty
-    """
+    """What trying a compensator on simulated drives gave."""
 
     command: Trapezoid
     datasheet: Datasheet
-    benefit: Benefit
-    compared: CompensatorComparison
-    warnings: tuple[str, ...]
-    drives: tuple[Drive, ...] = ()
-    others: tuple[Benefit, ...] = ()
-    holds: Mapping[str, Hold] = field(default_factory=dict)
+    benefit: Benefit  # with feedforward of the law, at the share of its force that passes
+    compared: CompensatorComparison  # all compensators that were tried
+    warnings: tuple[str, ...]  # where a cascade does not come to rest, a line each
+    drives: tuple[Drive, ...] = ()  # on which it was tried
+    others: tuple[Benefit, ...] = ()  # the same as ``benefit`` for other ways to compensate
+    holds: Mapping[str, Hold] = field(default_factory=dict)  # of a cascade, by way to compensate
 
     def table(self) -> pd.DataFrame:
         """Return a row for each way to compensate, drive and command.
@@ -148,10 +135,7 @@ def try_compensator(
             warnings = hunting_at_rest(held, variant, sheet.encoder_step)
     others = tuple(one for one in (*benefits, *tried.values()) if one is not best)
     return SimulatedTrial(
-        *(command, sheet, best, compared, tuple(warnings)),
-        drives=drives,
-        others=others,
-        holds=held,
+        *(command, sheet, best, compared, tuple(warnings)), drives=drives, others=others, holds=held
     )
 
 

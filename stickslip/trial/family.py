@@ -1,7 +1,5 @@
 """The drives that a log supports, and the commands on which they are tried."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -74,18 +72,11 @@ class Drive:
 
 @dataclass(frozen=True, eq=False)
 class Command:
-    """A command on which drives are tried.
+    """A command on which drives are tried."""
 
-    Attributes
-    ----------
-    name : display name
-    v_cmd : (n,) one value a sample [m/s]
-    drives : names of the drives that are tried on it; empty for all
-    """
-
-    name: str
-    v_cmd: Array
-    drives: tuple[str, ...] = ()
+    name: str  # display name
+    v_cmd: Array  # (n,) one value a sample [m/s]
+    drives: tuple[str, ...] = ()  # names of the drives that are tried on it; empty for all
 
     @property
     def speed(self) -> float:
@@ -298,10 +289,7 @@ def _base(drive: Drive) -> str:
 
 
 def _creep(command: Trapezoid, share: float, T_s: float, bent: float) -> Array:
-    """Return creep at a share of a command's speed, long enough for a loop to break away.
-
-    The loop does that when the command is ``bent`` [m] ahead.
-    """
+    """Return creep at a share of a command's speed, until it is ``bent`` [m] ahead."""
     held = SLIPS[0] * bent / (share * abs(command.height))
     return _slower(command, share, T_s, max(command.plateau, min(held, SLIPS[1])))
 

@@ -45,10 +45,7 @@ class Hold:
 
 
 def hold_time(loop: VelocityLoop, friction: Mapping[str, float], step: float) -> float:
-    """Return for how long a drive is held: periods of the limit cycle to be expected [s].
-
-    There is no position error below the step of the encoder [m].
-    """
+    """Return how long a drive is held: periods of a limit cycle, whose error is at least a step."""
     integral, F_c = loop.K_i * loop.K_x, friction["F_c"]
     if not integral:
         return SHORTEST

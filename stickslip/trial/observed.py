@@ -5,8 +5,6 @@ sensitivity and quantisation allow. Where that is worse than no compensation, it
 for less friction, and then only a share of its estimate is compensated.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Final, Literal
@@ -30,7 +28,7 @@ class ObserverDesign:
     sensitivity: float  # largest peak sensitivity at any of the masses, with the observer
     without: float  # the same without it
 
-    def changed(self, values: Mapping[str, float]) -> ObserverDesign:
+    def changed(self, values: Mapping[str, float]) -> "ObserverDesign":
         """Return the same with other values of the observer that do not act in the linear loop."""
         observer = replace(self.observer, values={**self.observer.values, **values})
         return replace(self, observer=observer)

@@ -7,8 +7,6 @@ measure: where a loop sticks and slips, two runs of one drive from other places 
 encoder part.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from contextlib import ExitStack, closing

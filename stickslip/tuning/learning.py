@@ -12,8 +12,6 @@ Cost is the sum in (6), of v - v_r over the training run: v as the encoder shows
 nominal loop, both through the same low-pass.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -193,10 +191,7 @@ class Fit:
 
 
 def fit(study: Study, runs: Runs) -> Fit:
-    """Fit the parameters to runs and to the study's start.
-
-    The start enters with its standard errors, as further equations.
-    """
+    """Fit the parameters to runs and, weighted by its standard errors, to the study's start."""
     names, space = tuple(study.start), study.space
     # The variables of the fit are the coordinates of the law's parameters, all of them logarithms.
     to_logs = np.array([space.direction(name)[: len(names)] for name in names])
@@ -205,7 +200,8 @@ def fit(study: Study, runs: Runs) -> Fit:
     doubt = np.array([max(one.standard_error / one.value, FLOOR) for one in study.start.values()])
     power = [gap @ gap / len(gap) * correlation_length(gap) for gap in runs.means]
     scale = np.sqrt(np.mean(power))
-    numerator, denominator = _transfer(study)
+    loop = study.loop.compliance  # from feedforward force [N] to velocity [m/s]
+    (numerator,), denominator = ss2tf(loop.A, loop.B, loop.C, loop.D)
     system = feedforward(study.rig.fmus, study.loop, {})
     T_s = study.rig.T_s
     longest = max(map(len, runs.commands))
@@ -263,10 +259,3 @@ def _errors(jacobian: Array) -> Array:
     """Return relative standard errors (k,) from the Jacobian of residuals by logarithms."""
     information = jacobian.T @ jacobian + 1e-12 * np.eye(jacobian.shape[1])
     return np.asarray(np.sqrt(np.diag(np.linalg.inv(information))))
-
-
-def _transfer(study: Study) -> tuple[Array, Array]:
-    """Return numerator and denominator from feedforward force [N] to velocity [m/s]."""
-    loop = study.loop.compliance
-    numerator, denominator = ss2tf(loop.A, loop.B, loop.C, loop.D)
-    return numerator[0], denominator

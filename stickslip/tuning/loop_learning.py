@@ -10,8 +10,6 @@ The drive shows its encoder only, and a loop that follows the steps of its encod
 well. So the velocity that counts is blended from encoder and motor force.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -120,10 +118,7 @@ class LoopCost(Closing):
         return ratios
 
     def _errors(self, tuned: TunedLoop) -> list[dict[str, float]]:
-        """Return of the drive and each model the errors by kind of motion.
-
-        Of the drive also the change of the force [N].
-        """
+        """Return of drive and models the errors by motion; of the drive also force changes [N]."""
         errors = []
         for case in self._cases:
             runs, modelled = case.runs, case.runs is not self._own
@@ -135,10 +130,7 @@ class LoopCost(Closing):
         return errors
 
     def __call__(self, values: Array) -> float:
-        """Return the cost of a candidate (k,).
-
-        Raises CandidateFailed when its loop is unstable or above the limit of Ms, or a run fails.
-        """
+        """Return the cost of a candidate (k,); raise CandidateFailed where loop or run fails."""
         genes = {gene.name: value for gene, value in zip(GENES, values.tolist(), strict=True)}
         try:
             tuned = self.study.loop(genes)
@@ -174,10 +166,7 @@ def learn_loop(
     on_generation: Callable[[ga.Optimiser], object] | None = None,
     workers: int = 1,
 ) -> LearnedLoop:
-    """Search the loop, run the best candidates again, and choose.
-
-    Raises ga.NothingLearned, ga.Interrupted as ``ga.learn``.
-    """
+    """Search the loop, run the best candidates again, and choose; raise what ``ga.learn`` does."""
     algorithm = study.optimiser()
     with LoopCost(study) as cost:
         search(algorithm, cost, workers, on_generation)

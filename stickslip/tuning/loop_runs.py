@@ -1,7 +1,5 @@
 """Runs of the motion from which the loop is learned, on the drive and on models of it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -86,10 +84,7 @@ def tuned_loop(
     friction: Mapping[str, float],  # parameters of the law by name
     sheet: Datasheet,
 ) -> TunedLoop:
-    """Return the loop of a candidate.
-
-    Raises ControlError when it is unstable, or no observer follows from the genes.
-    """
+    """Return a candidate's loop; raise ControlError when it is unstable or has no observer."""
     axis, T_s, F_c = reference.axis, reference.T_s, friction["F_c"]
     gains = {name: genes[name] * getattr(reference, name) for name in ("tau_f", "K_p", "K_i")}
     loop = close_velocity_loop(axis, T_s, **gains, m_ff=genes["m_ff"] * axis.m)

@@ -5,8 +5,6 @@ reference. The largest ratios count most. The search ends with the choice among 
 and the reference, measured with more care than in the search.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -66,9 +64,6 @@ def best_of(algorithm: ga.Optimiser) -> list[dict[str, float]]:
 
 
 def choose(finalists: Sequence[Finalist]) -> Finalist:
-    """Return the cheapest; the last one, the reference, is there whatever its ratios are.
-
-    Others count only where none of their ratios is above ``kept.LOOP_WORSE``.
-    """
+    """Return the cheapest with no ratio above ``kept.LOOP_WORSE``, or the last, the reference."""
     good = [one for one in finalists[:-1] if max(one.ratios.values()) <= kept.LOOP_WORSE]
     return min([*good, finalists[-1]], key=lambda one: one.cost)

@@ -1,7 +1,5 @@
 """Jobs on an executor: each is done once, whatever becomes of workers."""
 
-from __future__ import annotations
-
 import os
 import threading
 from collections import deque

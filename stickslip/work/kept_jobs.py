@@ -50,11 +50,7 @@ class KeptJobs:
         total: int,  # of all items, these and others
         on_done: Callable[[Any, Outcome], object],
     ) -> None:
-        """Do the jobs whose results are not known yet.
-
-        Raises UsageError when a file of the user is where a result would be kept, or
-        KeyboardInterrupt at Ctrl-C; it says what is kept.
-        """
+        """Do the jobs whose results are not known yet; raise UsageError or KeyboardInterrupt."""
         refuse_foreign(self._unfinished, [self.file.format(item.name) for item in items])
         origins = {item.name: self.origin(item) for item in items}
         places = [self._unfinished, *([self.folder / self.finished] if self.finished else [])]

@@ -116,20 +116,6 @@ class Fmu:
             scale = 10.0 ** -(k % 5)
             yield {v.name: scale * v.nominal * rng.standard_normal() for v in chosen}
 
-    def simulate(self, stop: float, step: float, path: Path | None = None, **options: Any) -> Any:
-        """Run Co-Simulation in FMPy; an ``input`` may be columns by name, ``time`` first."""
-        if isinstance(table := options.get("input"), dict):
-            rows = list(zip(*table.values(), strict=True))
-            options["input"] = np.array(rows, dtype=[(name, "f8") for name in table])
-        return fmpy.simulate_fmu(
-            str(path or self.path),
-            fmi_type="CoSimulation",
-            stop_time=stop,
-            step_size=step,
-            output_interval=step,
-            **options,
-        )
-
 
 class Slave:
     """One instance with the same face for FMI 2.0 and FMI 3.0.
@@ -230,6 +216,7 @@ class Exchanged(Slave):
     def place(self, time: float, states: Sequence[float]) -> None:
         """Set time and states in continuous-time mode."""
         self.api.setTime(time)
+        self.vector("Derivatives")  # those of the states before
         self.api.setContinuousStates(_pointer(np.array(states, dtype=float)), self.n_states)
 
     def vector(self, name: str) -> np.ndarray:
@@ -264,12 +251,6 @@ def build(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int], Fmu]
         return built[name, version]
 
     return build
-
-
-@pytest.fixture(params=[2, 3], ids=["fmi2", "fmi3"])
-def version(request: pytest.FixtureRequest) -> int:
-    """Give both versions of the standard in turn."""
-    return request.param
 
 
 @pytest.fixture(params=cases([None]))

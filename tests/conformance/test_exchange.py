@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim
-from tests.cosim.single import exposed
+from tests.cosim.single import by_fmpy, exposed
 
 STEP, STEPS = 5e-4, 200
 
@@ -32,8 +32,9 @@ def test_fmpy_and_our_kernel_give_the_same_bits(fmu):
     sizes = enumerate(fmu.sizes().items())
     inputs = {name: size * np.sin(9.0 * (k + 1) * time + k) for k, (name, size) in sizes}
     ours = exposed(fmu.path, settings, "fmu").prepare(step=step, stop=stop).run(inputs=inputs)
-    outputs, table = fmu.names("output"), {"time": time, **inputs}
-    theirs = fmu.simulate(stop, step, start_values=settings, input=table, output=outputs)
+    outputs, signals = fmu.names("output"), ((name, "f8", x) for name, x in inputs.items())
+    how = {"inputs": [time, *signals], "start_values": settings, "step_size": step}
+    theirs = by_fmpy(fmu.path, step, stop, *outputs, **how)
     np.testing.assert_array_equal(ours.time, theirs["time"])
     for name in outputs:
         assert len(np.unique(theirs[name])) > 10

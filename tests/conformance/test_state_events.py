@@ -3,13 +3,12 @@
 import itertools
 from ctypes import POINTER, c_double
 
-import fmpy
 import numpy as np
 import pytest
 
 from stickslip import cosim
 from tests.conformance.test_model_exchange import SWITCHED
-from tests.cosim.single import one
+from tests.cosim import single
 
 FORCES = [9.5, -9.5, 3.0]  # N, each held for PIECE: away, through a reversal, to a stop
 PIECE = 0.02  # s
@@ -30,19 +29,15 @@ def mode_names(fmu):
 
 def by_fmpy(fmu, table, step, *outputs, **options):
     """Let FMPy's CVode integrate under forces in a straight line between the table's rows."""
-    return fmpy.simulate_fmu(
-        str(fmu.path),
-        fmi_type="ModelExchange",
-        stop_time=table[-1, 0],
-        input=np.array(list(map(tuple, table)), dtype=[("time", "f8"), ("u", "f8")]),
-        output=outputs,
-        output_interval=step,
-        **{"relative_tolerance": 1e-9, "record_events": False, **options},
+    how = {"fmi_type": "ModelExchange", "relative_tolerance": 1e-9, "record_events": False}
+    time, u = table.T
+    return single.by_fmpy(
+        fmu.path, step, time[-1], *outputs, inputs=[time, ("u", "f8", u)], **how | options
     )
 
 
 def by_master(fmu, table, step, interface="model_exchange", tolerance=1e-9, **start):
-    system = one(fmu.path, start, "u", interface=interface)
+    system = single.one(fmu.path, start, "u", interface=interface)
     names = [f"a.{n}" for n in ("x", "v", "F_f", *mode_names(fmu))]
     options = {"step": step, "stop": table[-1, 0], "tolerance": tolerance, "record": names}
     return system.prepare(**options).run(inputs={"u": cosim.Table(*table.T)})

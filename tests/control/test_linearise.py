@@ -15,11 +15,6 @@ PARAMETERS = {"m": 5.0, "b": 7.0, "F_c": 6.0, "F_s": 9.0, "v_s": 2e-3, "delta": 
 PARAMETERS |= {"sigma_0": 4e5, "sigma_1": 4e3, "v_d": 0.0}
 
 
-@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
-def version(request):
-    return request.param
-
-
 def without_derivatives(path):
     """Let a description not say that the FMU gives directional derivatives."""
     flag = re.compile(rb'providesDirectionalDerivatives?="true"')

@@ -79,12 +79,6 @@ def library(name: str, model: int) -> bytes:
     return fmu.library(name, source, flags=(f"-DMODEL={model}",)).read_bytes()
 
 
-@pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
-def version(request: pytest.FixtureRequest) -> int:
-    """Give both versions of the standard in turn."""
-    return request.param
-
-
 Make = Callable[..., Path]
 
 

@@ -61,9 +61,8 @@ static void start(Model *m) {
     m->terminate = m->initializing = m->running = false;
     if (MODEL == STATE_SPACE) {
         m->v[N].i = 3;
-        for (int i = 0; i < 9; i++) {
+        for (int i = 0; i < 9; i++)
             m->v[A + i].d = i % 4 == 0 ? -1.0 : 0.0;
-        }
     } else if (MODEL == BALL) {
         m->v[H].d = 1.0;
         m->v[G].d = -9.81;
@@ -87,12 +86,10 @@ static size_t n_states(const Model *m) {
 }
 
 static void read_states(Model *m) {
-    for (size_t i = 0; i < n_states(m); i++) {
+    for (size_t i = 0; i < n_states(m); i++)
         m->x[i] = m->v[(MODEL == STATE_SPACE ? X0 : MODEL == INTEGRATOR ? FACTOR : 0) + i].d;
-    }
-    if (MODEL == STAIR) {
+    if (MODEL == STAIR)
         m->next_event = m->t + m->v[PERIOD].d;
-    }
 }
 
 /* The tolerance of its own solver that it is told, 0 where it is told none. */
@@ -123,9 +120,8 @@ static void derivatives(const Model *m, double *dx) {
     if (MODEL == STATE_SPACE) {
         for (size_t i = 0; i < n; i++) {
             dx[i] = m->v[U + i].d;
-            for (size_t j = 0; j < n; j++) {
+            for (size_t j = 0; j < n; j++)
                 dx[i] += m->v[A + i * n + j].d * m->x[j];
-            }
         }
     } else if (MODEL == BALL) {
         dx[0] = m->x[1];
@@ -139,17 +135,15 @@ static void derivatives(const Model *m, double *dx) {
 }
 
 static void outputs(Model *m) {
-    if (!m->running) {
+    if (!m->running)
         read_states(m); /* as they were set so far */
-    }
     if (MODEL == FEEDTHROUGH) {
         memcpy(m->v + 30, m->v, 30 * sizeof *m->v);
         m->v[SUM].d = (double)strlen(m->v[S].text) + 100.0 * (double)m->v[N_BYTES].i +
                       (double)(m->v[BIG].i % 1000003);
     } else if (MODEL == STATE_SPACE) {
-        for (size_t i = 0; i < n_states(m); i++) {
+        for (size_t i = 0; i < n_states(m); i++)
             m->v[Y + i].d = m->x[i];
-        }
     } else if (MODEL == BALL) {
         m->v[HEIGHT].d = m->x[0];
         m->v[H].d = m->x[0];
@@ -204,23 +198,19 @@ static bool step(Model *m, double end) {
     while (m->t < end - 1e-12) {
         const double next = fmin(end, m->t + 0.015625), h = next - m->t;
         derivatives(m, dx);
-        for (size_t i = 0; i < n_states(m); i++) {
+        for (size_t i = 0; i < n_states(m); i++)
             m->x[i] += h * dx[i];
-        }
         m->t = next;
         if (due(m)) {
-            if (m->event_mode) {
+            if (m->event_mode)
                 return true;
-            }
             update(m);
-            if (m->terminate) {
+            if (m->terminate)
                 return true;
-            }
         }
     }
-    if (!m->event_mode) {
+    if (!m->event_mode)
         update(m);
-    }
     return false;
 }
 
@@ -261,9 +251,8 @@ static int do_step(Model *m, double t, double h, bool *event, bool *terminate, b
     }
     while (m->t < end - 1e-12) {
         *event = step(m, end) || *event;
-        if (m->early || m->terminate) {
+        if (m->early || m->terminate)
             break;
-        }
     }
     *early = m->early && m->t < end - 1e-12;
     *terminate = m->terminate;
@@ -320,9 +309,8 @@ ACCESS3(Int64, int64_t, i)
 ACCESS3(UInt64, uint64_t, u)
 ACCESS3(Boolean, bool, i)
 fmi2Status fmi2SetString(void *c, const unsigned r[], size_t n, const fmi2String v[]) {
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         snprintf(((Model *)c)->v[r[i]].text, 32, "%s", v[i]);
-    }
     return fmi2OK;
 }
 fmi3Status fmi3SetString(void *c, const unsigned r[], size_t n, const fmi3String v[], size_t nv) {
@@ -331,9 +319,8 @@ fmi3Status fmi3SetString(void *c, const unsigned r[], size_t n, const fmi3String
 fmi2Status fmi2GetString(void *c, const unsigned r[], size_t n, fmi2String v[]) {
     Model *m = c;
     outputs(m);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         v[i] = r[i] != SIGN ? m->v[r[i]].text : m->v[SHOWN].d > 0.0 ? "up" : "not \xc3\xbcp";
-    }
     return fmi2OK;
 }
 fmi3Status fmi3GetString(void *c, const unsigned r[], size_t n, fmi3String v[], size_t nv) {

@@ -1,5 +1,6 @@
 """Systems of FMUs, one FMU in FMPy, runs in two halves, and archives packed again."""
 
+import re
 import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -59,7 +60,7 @@ def exposed(
 def by_fmpy(
     path: Path, step: float, stop: float, *output: str, inputs: Any = (), **more: Any
 ) -> Any:
-    """Return what FMPy gives for an FMU.
+    """Return what FMPy gives for the outputs of an FMU that are named, or for all.
 
     Parameters
     ----------
@@ -71,7 +72,7 @@ def by_fmpy(
         names = [("time", "f8"), *((name, kind) for name, kind, _ in signals)]
         more["input"] = np.array(list(columns), dtype=names)
     how = {"fmi_type": "CoSimulation", "stop_time": stop, "output_interval": step, **more}
-    return fmpy.simulate_fmu(str(path), output=list(output), **how)
+    return fmpy.simulate_fmu(str(path), output=list(output) or None, **how)
 
 
 def saves(version: int) -> str:
@@ -121,3 +122,17 @@ def repacked(
     """Pack the members of an archive again, some changed, renamed, or left out (None)."""
     changed = {renamed(name): change(name, data) for name, data in members(path).items()}
     return archive(other, {name: data for name, data in changed.items() if data is not None})
+
+
+def edited(
+    path: Path, other: Path, changes: Mapping[str, str], member: str = "modelDescription.xml"
+) -> Path:
+    """Return a copy of an archive in which one file has other texts, by patterns."""
+
+    def change(name: str, data: bytes) -> bytes:
+        for pattern, text in changes.items() if name == member else ():
+            data, n = re.subn(pattern.encode(), text.encode(), data, flags=re.DOTALL)
+            assert n
+        return data
+
+    return repacked(path, other, change)

@@ -7,7 +7,7 @@ from fmpy.validation import validate_fmu
 
 from stickslip import cosim
 from stickslip.fmi import toolchain
-from tests.cosim.single import joined, members, one, repacked
+from tests.cosim.single import by_fmpy, joined, members, one, repacked
 
 STEP, STOP = 0.01, 1.0
 ARM = toolchain.PLATFORMS["aarch64-linux"]
@@ -30,14 +30,8 @@ def packed(loop, version, tmp_path):
     return cosim.write_fmu(loop, tmp_path / "a.fmu", step=STEP, fmi=version)
 
 
-def in_fmpy(path, output_interval=STEP, **start_values):
-    return fmpy.simulate_fmu(
-        str(path),
-        stop_time=STOP,
-        step_size=output_interval,
-        output_interval=output_interval,
-        start_values=start_values,
-    )
+def in_fmpy(path, **start_values):
+    return by_fmpy(path, STEP, STOP, step_size=STEP, start_values=start_values)
 
 
 def alone(system, coupling="gauss_seidel", parameters=None, **inputs):

@@ -58,9 +58,7 @@ SOME = ["c1.y", "c0.*"]
 
 @pytest.mark.parametrize(
     ("n", "coupling", "record"),
-    [
-        *((MOST_COMPONENTS, "jacobi", SOME), (MOST_COMPONENTS + 1, "gauss_seidel", None)),
-    ],
+    [(MOST_COMPONENTS, "jacobi", SOME), (MOST_COMPONENTS + 1, "gauss_seidel", None)],
 )
 def test_compiled_steps_give_the_same_bits(make, n, coupling, record):
     spec = {"step": 1e-3, "stop": 1.0, "coupling": coupling, "record": record}

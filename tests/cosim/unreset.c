@@ -58,17 +58,15 @@ static int reset(Model *m) {
 }
 
 static int set(Model *m, const unsigned *r, size_t n, const double *v) {
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         *(r[i] == U ? &m->u : &m->k) = v[i];
-    }
     return 0;
 }
 
 static int get(const Model *m, const unsigned *r, size_t n, double *v) {
     const double y = m->x + (m->time >= 0.349 ? 10.0 : 0.0) + (m->steps >= 12 ? 100.0 : 0.0);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         v[i] = r[i] == Y ? y : r[i] == U ? m->u : m->k;
-    }
     return 0;
 }
 

@@ -97,15 +97,10 @@ Pair = namedtuple("Pair", "F_c n")
 @pytest.mark.parametrize(
     "given",
     [
-        {"F_c": 2.0, "n": 4},
-        MappingProxyType({"F_c": 2.0, "n": 4}),
-        TABLE.iloc[1],
-        TABLE.loc[[1]],
-        list(TABLE.itertuples())[1],
-        list(TABLE.itertuples(index=False))[1],
-        Pair(2.0, 4),
+        {"F_c": 2.0, "n": 4}, MappingProxyType({"F_c": 2.0, "n": 4}), TABLE.iloc[1], TABLE.loc[[1]],
+        list(TABLE.itertuples())[1], list(TABLE.itertuples(index=False))[1], Pair(2.0, 4),
     ],
-)
+)  # fmt: skip
 def test_a_row_is_a_dictionary(given):
     assert by_name("parameters", given, Fault) == {"F_c": 2.0, "n": 4}
 

@@ -74,16 +74,11 @@ def test_relative_error_is_in_the_last_bits(c, case):
 @pytest.mark.parametrize(
     ("name", "x", "y"),
     [
-        ("exp", 0.0, 1.0),
-        ("exp", -708.5, 0.0),
-        ("exp", -math.inf, 0.0),
-        ("log", 1.0, 0.0),
-        ("sin", 0.0, 0.0),
-        ("phi", 0.0, 1.0),
-        ("phi2", 0.0, 0.5),
+        ("exp", 0.0, 1.0), ("exp", -708.5, 0.0), ("exp", -math.inf, 0.0), ("log", 1.0, 0.0),
+        ("sin", 0.0, 0.0), ("phi", 0.0, 1.0), ("phi2", 0.0, 0.5),
         *((name, math.nan, math.nan) for name in ("exp", "phi", "phi2")),
     ],
-)
+)  # fmt: skip
 def test_special_values_are_exact(c, name, x, y):
     np.testing.assert_array_equal(c(name, np.array([x])), y)
     assert np.isfinite(c("exp", np.array([709.0, 1e4, math.inf]))).all()

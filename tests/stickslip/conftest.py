@@ -1,6 +1,5 @@
 """One reproduction of the paper, and one short log, made once for all tests that judge them."""
 
-import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,7 +19,6 @@ from stickslip.rigs.fmu import FmuRig, rig_of
 from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
-from tests.cosim.single import repacked
 from tests.kept import kept
 
 
@@ -98,22 +96,6 @@ def identified(fmus) -> Identification:
 @pytest.fixture(scope="session")
 def stage(tmp_path_factory) -> Path:
     return build_fmu("stage", tmp_path_factory.mktemp("stage"))
-
-
-@pytest.fixture(scope="session")
-def edited():
-    """Return what writes a copy of an archive in which one file has other texts, by patterns."""
-
-    def edited(archive, path, changes, member="modelDescription.xml"):
-        def change(name, data):
-            for pattern, text in changes.items() if name == member else ():
-                data, n = re.subn(pattern.encode(), text.encode(), data, flags=re.DOTALL)
-                assert n
-            return data
-
-        return repacked(archive, path, change)
-
-    return edited
 
 
 @pytest.fixture

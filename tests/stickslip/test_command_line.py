@@ -21,6 +21,7 @@ from stickslip.cli import COMMANDS, main
 from stickslip.commands.simulate import add_isolation, isolation_of
 from stickslip.fmi.messages import installing
 from stickslip.fmi.toolchain import PLATFORMS, host_platform
+from tests.cosim.single import edited
 from tests.stickslip.logs.rigid_drive import rigid_drive
 
 LARGE = {"control", "fmpy", "matplotlib", "pandas", "scipy.linalg"}
@@ -209,7 +210,7 @@ def test_a_package_runs_at_the_smallest_step_of_its_fmus(package, stage):
     assert np.diff(result.time) == pytest.approx(3.3 * proposed / 4)
 
 
-def test_a_model_without_outputs_records_its_variables(stage, edited, tmp_path, capsys):
+def test_a_model_without_outputs_records_its_variables(stage, tmp_path, capsys):
     changes = {
         'causality="(input|output)"': 'causality="local"',
         "<ModelStructure>.*</ModelStructure>": "<ModelStructure/>",

@@ -46,16 +46,11 @@ def _plain(pairs):
 @pytest.mark.parametrize(
     "arguments",
     [
-        ("info",),
-        ("info", "--all"),
-        ("simulate",),
-        ("simulate", "--verbose"),
-        ("simulate", "--set", "k=99"),
-        ("simulate", "--record", "none"),
-        ("check", "--no-run"),
+        ("info",), ("info", "--all"), ("simulate",), ("simulate", "--verbose"),
+        ("simulate", "--set", "k=99"), ("simulate", "--record", "none"), ("check", "--no-run"),
     ],
     ids=" ".join,
-)
+)  # fmt: skip
 def test_nothing_that_is_not_seen_is_printed(odd, arguments, capsys):
     main([arguments[0], str(odd), *arguments[1:]])
     out, err = capsys.readouterr()

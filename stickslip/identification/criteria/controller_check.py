@@ -1,7 +1,5 @@
 """Whether the given controller commands the force that was logged."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Goodness of fit: the relative errors of a model against a recording."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -43,7 +41,7 @@ class GoodnessOfFit:
         """Return the relative errors by name."""
         return {name: value for name, value in vars(self).items() if name in ERRORS}
 
-    def scaled(self, scale: Scale) -> GoodnessOfFit:
+    def scaled(self, scale: Scale) -> "GoodnessOfFit":
         """Return the signals in other units; relative errors stay."""
         simulated = None if self.simulated is None else self.simulated * scale.length
         return replace(
@@ -62,7 +60,11 @@ def goodness_of_fit(
     check: ControllerCheck | None,
 ) -> GoodnessOfFit:
     """Return the goodness of fit of values by name."""
-    recording, delay = inverse.recording, _delay(inverse, values)
+    recording = inverse.recording
+    delays = (values["delay"], *(np.arange(-3.0, 5.01, 0.25) * recording.T_s))
+    delay: float = min(  # of the logged force, which suits the inverse model best [s]
+        delays, key=lambda one: float(np.sum(inverse.residual({**values, "delay": one}) ** 2))
+    )
     at = {**values, "delay": delay}
     rows = inverse.measured(at), inverse.predicted(at)
     force = relative(*(signal[inverse.used] for signal in rows))
@@ -109,12 +111,3 @@ def _closed_loop(
 def relative(recorded: Array, modelled: Array) -> float:
     """Return the norm of the difference (n,) over that of the recorded signal."""
     return float(np.linalg.norm(recorded - modelled) / np.linalg.norm(recorded))
-
-
-def _delay(inverse: InverseModel, values: Values) -> float:
-    """Return the delay of the logged force that suits the inverse model best [s]."""
-    delays = (values["delay"], *(np.arange(-3.0, 5.01, 0.25) * inverse.recording.T_s))
-    best: float = min(
-        delays, key=lambda delay: float(np.sum(inverse.residual({**values, "delay": delay}) ** 2))
-    )
-    return best

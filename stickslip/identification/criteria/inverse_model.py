@@ -10,8 +10,6 @@ Where friction itself was measured, it stands alone: F = F_f(v) + F_0.
 A law without presliding gives any force up to that of break-away at rest: there F_f balances F.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 

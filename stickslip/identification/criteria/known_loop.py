@@ -4,8 +4,6 @@ The drive FMU represents the candidate: each estimated parameter is set, and its
 encoder are off unless the recording is simulated again with them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -74,7 +72,6 @@ STATES: dict[str, Callable[[float, Values], float]] = {
     "F_d": lambda force, _: force,
 }
 """State of a friction law -> its value at rest under a force [N]. Other states start at 0."""
-
 
 NOTHING: Mapping[str, float] = {}
 Signals = cosim.Result | Mapping[str, Array]
@@ -201,10 +198,7 @@ class _LogLoop(Closing):
         for name in self._inputs:
             system.expose(name, f"controller.{name}")
         specification = cosim.Specification(
-            system,
-            step=recording.T_s,
-            stop=(len(recording.t) - 1) * recording.T_s,
-            record=SIGNALS,
+            system, step=recording.T_s, stop=(len(recording.t) - 1) * recording.T_s, record=SIGNALS
         )
         self.runs = Runs(specification, workers)
         self._added = memory_force(gains, len(recording.t), recording.T_s)
@@ -284,7 +278,10 @@ class OutputError(Criterion):
         self.step = recording.encoder_step
         self.noise = position_noise(self.position, self.step)
         self.whitening = np.ones(1)
-        self._logs = [_behind_start(one.begin, one.end) for one in recording.pieces]
+        self._logs = [
+            slice(one.begin + max(2 * ORDER, int(BURN_IN * (one.end - one.begin))), one.end)
+            for one in recording.pieces
+        ]
         self.used = together(self._logs)
 
     def raw(self, values: Values) -> Array:
@@ -325,15 +322,8 @@ class OutputError(Criterion):
         return float(np.std(self.raw(values)[self.used])) / expected
 
 
-def _behind_start(begin: int, end: int) -> slice:
-    return slice(begin + max(2 * ORDER, int(BURN_IN * (end - begin))), end)
-
-
 def predictor_error(signal: Array, order: int) -> Array:
-    """Return the filter (order + 1,) whose output is the one-step prediction error of a signal.
-
-    Source: Yule and Walker; L. Ljung, System Identification, 2nd ed., chapter 4.
-    """
+    """Return the filter (order + 1,) of a signal's one-step prediction error (Yule and Walker)."""
     n = len(signal)
     correlation = np.array([signal[k:] @ signal[: n - k] for k in range(order + 1)]) / n
     if correlation[0] <= 0.0:

@@ -63,19 +63,14 @@ def means(signal: Array, q: int) -> Array:
 
 
 def samples_per_row(
-    position: Array, T_s: float, noise: float, least: int, share: float, rows: float
+    position: Array,  # (n,) [m]
+    T_s: float,
+    noise: float,  # standard deviation of the position [m]
+    least: int,  # number to begin with, which is doubled as often as needed
+    share: float,  # largest variance of the acceleration by noise, over that of the motion
+    rows: float,  # number that must be left
 ) -> int:
-    """Return how many samples a row takes so that encoder noise does not hide the acceleration.
-
-    Parameters
-    ----------
-    position : (n,) [m]
-    T_s : sample period [s]
-    noise : standard deviation of the position [m]
-    least : number to begin with, which is doubled as often as needed
-    share : largest variance of the acceleration by noise, over that of the motion
-    rows : number that must be left
-    """
+    """Return how many samples a row takes so that encoder noise does not hide the acceleration."""
     q = least
     while q < LONGEST and len(position) // (2 * q) > rows:
         cutoff = SHARE / (q * T_s)
@@ -106,10 +101,7 @@ def position_of(recording: Recording) -> Array:
 
 
 def measured_force(recording: Recording) -> Array:
-    """Return the force (n,) [N] of motor or friction, without what is known of it otherwise.
-
-    Raises UsageError when none was logged.
-    """
+    """Return the force (n,) [N] of motor or friction, less what is known of it otherwise."""
     for signal in (recording.force, recording.friction, recording.force_command):
         if signal is not None:
             return recording.moving(signal)

@@ -1,7 +1,5 @@
 """FMUs of candidates, their runs, and what closes them."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -25,7 +23,7 @@ from stickslip.thresholds import loop_fit
 class Closing:
     """Closes itself when a ``with`` block ends."""
 
-    runs: Runs  # that it holds
+    runs: "Runs"  # that it holds
 
     def close(self) -> None:
         """Free the FMUs."""
@@ -113,10 +111,7 @@ class Runs(Closing):
             return error
 
     def each(self, function: Callable[[T], R], items: Sequence[T]) -> list[R]:
-        """Apply a function that runs this system to every item, several at a time.
-
-        A single one needs no thread, so that a function may ask for a run itself.
-        """
+        """Apply a function that runs this system to every item, several at a time."""
         if self._threads is None or len(items) < 2:
             return list(map(function, items))
         return self._threads.each(function, items)

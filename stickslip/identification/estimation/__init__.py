@@ -8,12 +8,6 @@ from stickslip.identification.fitting.identifiability import Identifiability
 from stickslip.identification.fitting.search import Search
 
 __all__ = [
-    "CriterionName",
-    "Estimation",
-    "Identifiability",
-    "LearnSettings",
-    "Search",
-    "Task",
-    "candidate_fmus",
-    "learn",
-]
+    "CriterionName", "Estimation", "Identifiability", "LearnSettings", "Search", "Task",
+    "candidate_fmus", "learn",
+]  # fmt: skip

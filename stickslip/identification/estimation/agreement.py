@@ -4,8 +4,6 @@ Without the log that contradicts the others, these are explained much better. Wh
 differs in it is then told by the values that the others give.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from copy import copy
 

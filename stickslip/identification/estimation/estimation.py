@@ -1,7 +1,5 @@
 """The result of an estimation."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -16,7 +14,7 @@ from stickslip.identification.estimation.faults import HeldOut
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.identifiability import Identifiability
 from stickslip.identification.fitting.start import Start
-from stickslip.identification.selection import Choice
+from stickslip.identification.selection.choice import Choice
 from stickslip.identification.sliding.friction_curve import FrictionCurve
 from stickslip.identification.sliding.position_force import PositionForce
 from stickslip.logs import Finding, Recording
@@ -36,7 +34,7 @@ class FittedLaw:
     plausible: tuple[Mapping[str, float], ...] = ()
     largest_friction: float = float("inf")  # at standstill and creep in the recording [N]
 
-    def restored(self, scale: Scale) -> FittedLaw:
+    def restored(self, scale: Scale) -> "FittedLaw":
         """Return the values of a scaled recording in SI units; ``fit`` stays scaled."""
         sizes = ("value", "standard_error", "low", "high")
         known = {

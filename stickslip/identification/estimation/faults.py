@@ -14,15 +14,8 @@ from stickslip.identification.criteria.motion import Scale
 from stickslip.identification.estimation.task import Task
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE, Identifiability
-from stickslip.identification.selection import (
-    Candidate,
-    Prediction,
-    candidates,
-    predict,
-    predictions,
-)
+from stickslip.identification.selection import prediction
 from stickslip.identification.selection.choice import Cause, along_the_travel, is_large, mismatch
-from stickslip.identification.selection.prediction import held_out
 from stickslip.logs import Finding
 from stickslip.thresholds import loop_fit, misfit
 
@@ -126,7 +119,8 @@ def change_of_friction(inverse: InverseModel, values: Values) -> tuple[float, fl
 class HeldOut:
     """What was found where the law was not fitted."""
 
-    predictions: tuple[Prediction, ...]  # of the law, and of all others that were tried [SI]
+    # of the law, and of all others that were tried [SI]
+    predictions: tuple[prediction.Prediction, ...]
     findings: tuple[Finding, ...]  # that the law does not explain the recording
 
 
@@ -138,17 +132,16 @@ def check_held_out(
     What the inverse model found is of a recording that is scaled; the gains are those of a
     controller that commands the logged force.
     """
-    candidate = Candidate(inverse.space.law, is_level=task.is_level)
-    residual = held_out(inverse, found)
-    own = predict(inverse, found, candidate, gains, residual=residual)
+    candidate = prediction.Candidate(inverse.space.law, is_level=task.is_level)
+    residual = prediction.held_out(inverse, found)
+    own = prediction.predict(inverse, found, candidate, gains, residual=residual)
     tried = task.choice.predictions if task.choice else ()
     causes: list[Cause] = []
     if is_large(own):
         if not tried:
-            further = [one for one in candidates() if one != candidate]
-            tried = tuple(
-                one.restored(scale) for one in predictions(task.recording, gains, further)
-            )
+            further = [one for one in prediction.candidates() if one != candidate]
+            others = prediction.predictions(task.recording, gains, further)
+            tried = tuple(one.restored(scale) for one in others)
         place = along_the_travel(inverse, residual)
         causes = [replace(place, left=place.left / scale.force)]
     own = own.restored(scale)

@@ -4,8 +4,6 @@ Search (genetic algorithm, inverse model) -> fit (least squares) -> for a known 
 whitened, and corrected by a parametric bootstrap -> identifiability.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
@@ -15,16 +13,11 @@ from threadpoolctl import threadpool_limits
 
 from stickslip import ga
 from stickslip.catalog.parameters import Values, friction_law, presliding
+from stickslip.identification.criteria import motion
 from stickslip.identification.criteria.controller_check import check_controllers
 from stickslip.identification.criteria.goodness_of_fit import goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop, OutputError
-from stickslip.identification.criteria.motion import (
-    Scale,
-    against_motion,
-    measured_force,
-    recording_scale,
-)
 from stickslip.identification.estimation.agreement import contradictions
 from stickslip.identification.estimation.estimation import Estimation, FittedLaw, restored
 from stickslip.identification.estimation.faults import (
@@ -34,14 +27,7 @@ from stickslip.identification.estimation.faults import (
     hidden,
 )
 from stickslip.identification.estimation.task import Task, choose
-from stickslip.identification.fitting.bootstrap import (
-    RUNS,
-    UnbiasedFit,
-    coarse,
-    correct,
-    correct_inverse,
-    resimulated_residuals,
-)
+from stickslip.identification.fitting import bootstrap
 from stickslip.identification.fitting.fit import (
     BLOCKS,
     DRAWS,
@@ -89,7 +75,7 @@ def learn(task: Task, progress: Progress = SILENT) -> Estimation:
     Raises IdentificationError when the drive does not slide in the recording, UsageError when it
     lacks a signal that the criterion needs, or ga.NothingLearned when no candidate could be run.
     """
-    scale = recording_scale(task.recording)
+    scale = motion.recording_scale(task.recording)
     gains = None if task.gains is None else scale.values(task.gains)
     scaled = replace(task, recording=scale.recording(task.recording), gains=gains)
     # Sums that are split over threads round differently, and a search amplifies that.
@@ -97,7 +83,7 @@ def learn(task: Task, progress: Progress = SILENT) -> Estimation:
         return restored(_learn(scaled, scale, progress), scale)
 
 
-def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
+def _learn(task: Task, scale: motion.Scale, progress: Progress) -> Estimation:
     recording, check = task.recording, None
     if task.gains is not None:
         progress.stage("checking the controller")
@@ -105,7 +91,7 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
         if recording.force is None and recording.friction is None:
             recording = replace(recording, force=check.force)
         task = replace(task, gains=check.gains)
-    recording, remarks = against_motion(recording)
+    recording, remarks = motion.against_motion(recording)
     task = replace(task, recording=recording)
     criterion, reason = choose(task, check)
     law = friction_law(task.settings.law)
@@ -137,7 +123,7 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
         model_error = corrected.model_error if corrected else float("nan")
         if criterion == OutputError.name and corrected and task.gains is not None:
             errors, table = _known_loop(task, task.gains, corrected, ambiguity)
-            best, degrees = corrected.fit, RUNS - 1
+            best, degrees = corrected.fit, bootstrap.RUNS - 1
         else:
             best, errors = _inverse_model(task, inverse, found, start, sliding=sliding)
             errors |= least_errors(errors, best.parameters, presliding(law))
@@ -166,7 +152,7 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
         )
         if any(fault.spoils for fault in faults):
             known = {name: unreliable(one) for name, one in known.items()}
-        known = hidden(known, faults, float(np.max(np.abs(measured_force(recording)))))
+        known = hidden(known, faults, float(np.max(np.abs(motion.measured_force(recording)))))
         shown = {name: one.value for name, one in sliding.items()}
         largest = largest_friction(inverse, {**best.parameters, **shown})
         known = conservative(known, start.space, largest)
@@ -201,7 +187,7 @@ def _learn(task: Task, scale: Scale, progress: Progress) -> Estimation:
     )
 
 
-def _not_explained(corrected: UnbiasedFit, start: Start) -> str:
+def _not_explained(corrected: bootstrap.UnbiasedFit, start: Start) -> str:
     """Return why the simulated loop does not explain the recording; empty if it does."""
     if corrected.model_error > misfit.EXPLAINED:
         return f"the loop's residual is {misfit.excess(corrected.model_error)}"
@@ -240,13 +226,13 @@ def _search(
 def _sure(inverse: InverseModel) -> float:
     """Return the ratio of mean squares below which an exponent of the Stribeck curve is sure."""
     # Slips shorter than the low-pass, and coarse encoder steps, bias the curve, too.
-    is_biased = not presliding(inverse.law) or coarse(inverse, inverse.recording)
+    is_biased = not presliding(inverse.law) or bootstrap.coarse(inverse, inverse.recording)
     return law_choice.EXPONENT_BIASED if is_biased else law_choice.EXPONENT
 
 
 def _output_error(
     task: Task, gains: Mapping[str, float], start: Start, found: Fit
-) -> tuple[UnbiasedFit, Array]:
+) -> tuple[bootstrap.UnbiasedFit, Array]:
     """Fit the loop from the inverse model's values on, whitened, and correct it for its bias.
 
     The controller's integral compensates a constant force; its prior is the mean of the logged
@@ -281,7 +267,7 @@ def _output_error(
         fitted = fit(criterion, begins[:1], ROUGH)
         step(1, 4)
         values, rng = fitted.parameters, np.random.default_rng(seed)
-        (steps,) = resimulated_residuals(criterion, again, values, 1, noise=0.0, rng=rng)
+        (steps,) = bootstrap.resimulated_residuals(criterion, again, values, 1, noise=0.0, rng=rng)
         if criterion.unexplained(values, steps) > UNEXPLAINED:
             # Whitened, a model that is far from the recording has further local minima.
             criterion.whitening = np.ones(1)
@@ -294,7 +280,7 @@ def _output_error(
         criterion = criterion.over(selection.fit.space)
         criterion.whiten(selection.fit.parameters)
         fitted = fit(criterion, [selection.fit.q])
-        corrected = correct(criterion, fitted, again, seed)
+        corrected = bootstrap.correct(criterion, fitted, again, seed)
         return corrected, selection.ambiguity
 
 
@@ -315,8 +301,8 @@ def _inverse_model(
     with InverseModel(task.fmus, recording, cutoff, task.settings.workers, law=law, q=q) as slower:
         apart = fit(slower.over(found.space), [found.q]).q - found.q
     spread, best = found.covariance + np.outer(apart, apart), found
-    if coarse(inverse, recording):
-        corrected, bias, alike = correct_inverse(inverse, found, task.settings.seed)
+    if bootstrap.coarse(inverse, recording):
+        corrected, bias, alike = bootstrap.correct_inverse(inverse, found, task.settings.seed)
         # Where it is not alike it is no valid correction, but a measure of the uncertainty.
         best, share = (corrected, BIAS_ERROR) if alike else (found, 1.0)
         spread = spread + np.outer(bias, bias) * share**2
@@ -325,7 +311,7 @@ def _inverse_model(
 
 
 def _known_loop(
-    task: Task, gains: Mapping[str, float], corrected: UnbiasedFit, ambiguity: Array
+    task: Task, gains: Mapping[str, float], corrected: bootstrap.UnbiasedFit, ambiguity: Array
 ) -> tuple[dict[str, float], pd.DataFrame]:
     """Return standard errors by name [SI], and the profiles."""
     best = corrected.fit

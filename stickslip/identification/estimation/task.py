@@ -14,7 +14,7 @@ from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import OutputError, is_running
 from stickslip.identification.fitting.search import Search
-from stickslip.identification.selection import Choice
+from stickslip.identification.selection.choice import Choice
 from stickslip.logs import Finding, Recording
 from stickslip.planning import LINEAR, Limits
 from stickslip.thresholds import control_match, harm

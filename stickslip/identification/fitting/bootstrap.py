@@ -86,16 +86,12 @@ def surrogate_loop(inverse: InverseModel, values: Values) -> KnownLoop:
     # The motion shows what was added; without its known force the loop begins balanced.
     led = replace(led, added_force=None, added_velocity=None, known_force=None)
     led = replace(led, friction_factor=None)
-    gains = _gains(values, T_s)
-    return KnownLoop(inverse.fmus, led, gains, encoder=True, workers=inverse.runs.workers)
-
-
-def _gains(values: Values, T_s: float) -> dict[str, float]:
-    """Return a cascade for the fitted mass whose integral starts at the constant force."""
+    # A cascade for the fitted mass, whose integral starts at the constant force.
     rate = 2.0 * np.pi * BANDWIDTH / T_s  # [rad/s]
     K_p = rate * values["m"]
     gains = {"K_p": K_p, "K_i": K_p * rate / 8.0, "K_x": rate / 4.0, "tau_f": T_s, "T_s": T_s}
-    return {**gains, HELD: values["F_0"]}
+    gains[HELD] = values["F_0"]
+    return KnownLoop(inverse.fmus, led, gains, encoder=True, workers=inverse.runs.workers)
 
 
 def resimulated(
@@ -160,10 +156,7 @@ class UnbiasedFit:
 
     @property
     def model_error(self) -> float:
-        """Ratio of the residual to that from encoder and noise, the larger of two.
-
-        Before whitening it shows slow errors; whitened, those that the bootstrap takes for noise.
-        """
+        """Ratio of the residual to that from encoder and noise, as it is or whitened."""
         return max(self.found / self.expected, self.unexplained)
 
 
@@ -199,7 +192,9 @@ def correct(criterion: OutputError, fitted: Fit, again: KnownLoop, seed: int) ->
         at = replace(at, q=q, residual=criterion.residual(criterion.space.decode(q)))
     at = linearised(criterion, at.q, fitted.variance)
     spread = np.cov(moves.T) * (1.0 + 1.0 / RUNS)
-    wider = _wider(fitted, spread)
+    alone = np.maximum(np.diag(spread), np.finfo(float).tiny)
+    wider = np.sqrt(np.maximum(np.diag(fitted.covariance) / alone, 1.0))
+    wider[[name in fitted.space.law.parameters for name in fitted.space.names]] = 1.0
     spread *= np.outer(wider, wider)
     own = NUMERICS * float(np.std(criterion.position))
     return UnbiasedFit(
@@ -210,13 +205,4 @@ def correct(criterion: OutputError, fitted: Fit, again: KnownLoop, seed: int) ->
         expected=max(own, *(float(np.std(raw[criterion.used])) for raw in raws)),
         found=float(np.std(criterion.raw(at.parameters)[criterion.used])),
         unexplained=float(np.sqrt(fitted.variance)) / max(own, criterion.noise),
-    )
-
-
-def _wider(fitted: Fit, spread: Array) -> Array:
-    """Return factors (k,) of the bootstrap's standard errors of what is not the law's own."""
-    alone = np.maximum(np.diag(spread), np.finfo(float).tiny)
-    wider = np.sqrt(np.maximum(np.diag(fitted.covariance) / alone, 1.0))
-    return np.where(
-        [name in fitted.space.law.parameters for name in fitted.space.names], 1.0, wider
     )

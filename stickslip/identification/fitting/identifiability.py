@@ -4,8 +4,6 @@ The profile is the deviance when one parameter is held at another value and all 
 again. Near its minimum it is (distance / standard error)^2.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
@@ -81,10 +79,7 @@ def of_sliding(
 def among_laws(
     known: dict[str, Identifiability], others: Iterable[Values], space: ParameterSpace
 ) -> dict[str, Identifiability]:
-    """Return the same with intervals of stiffness that hold that of laws which explain as much.
-
-    The law of a drive is not known, and each turns the same presliding into another stiffness.
-    """
+    """Return the same with intervals of stiffness that hold that of laws which explain as much."""
     found = dict(known)
     for name, one in known.items():
         shown_by = space.parameters[space.index(name)].shown_by
@@ -100,10 +95,7 @@ def among_laws(
 def least_errors(
     errors: Mapping[str, float], values: Values, names: Iterable[str]
 ) -> dict[str, float]:
-    """Return the standard errors of what shows before break-away, where the force decides.
-
-    Low-pass and sampling bias it, however much of it a log has.
-    """
+    """Return standard errors of what shows before break-away, which low-pass and sampling bias."""
     return {name: max(errors[name], identifiable.PRESLIDING * values[name]) for name in names}
 
 

@@ -1,7 +1,5 @@
 """The global search of friction parameters, and least squares from several starts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -53,12 +51,7 @@ def search(
     how: Search,
     on_generation: Callable[[ga.Optimiser], object] | None = None,
 ) -> ga.Optimiser:
-    """Search the parameters whose predicted force is nearest to the measured one.
-
-    m, b and F_0 follow from each candidate by linear least squares.
-
-    Raises ga.NothingLearned when no candidate could be run, and ga.Interrupted at Ctrl-C.
-    """
+    """Search the parameters of the law whose predicted force is nearest to the measured one."""
     limits = ga.Limits(evaluations=how.evaluations, patience=PATIENCE)
     algorithm = ga.optimiser(how.algorithm, problem(start), limits, seed)
     names = [f"compensator.{name}" for name in start.space.friction]

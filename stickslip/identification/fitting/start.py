@@ -1,20 +1,12 @@
 """The start of the search: what sliding motion shows, and ranges for the rest."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
-from stickslip.catalog.parameters import (
-    ParameterSpace,
-    Values,
-    covariance,
-    scaled_start,
-    unit_of,
-)
+from stickslip.catalog.parameters import ParameterSpace, Values, covariance, scaled_start, unit_of
 from stickslip.errors import IdentificationError
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.motion import SI, Scale, measured_force, position_of
@@ -42,7 +34,7 @@ class Start:
     curve: FrictionCurve | None = None  # without a law; None where the drive slides too little
     findings: tuple[Finding, ...] = ()  # that the mass does not show
 
-    def restored(self, scale: Scale) -> Start:
+    def restored(self, scale: Scale) -> "Start":
         """Return line and curve of a scaled recording in SI units; ``space`` stays scaled."""
         curve = self.curve and self.curve.restored(scale)
         return replace(self, line=scale.restored(self.line), curve=curve)

@@ -51,10 +51,7 @@ def is_beaten(found: Prediction, others: Sequence[Prediction]) -> bool:
 def mismatch(
     found: Prediction, others: Sequence[Prediction], causes: Sequence[Cause], *, rotary: bool
 ) -> Iterator[Finding]:
-    """Yield the finding that a law does not explain a recording, with the figure of each cause.
-
-    The best of the predictions of other laws is a cause beside those that were tested.
-    """
+    """Yield the finding that a law does not explain a recording, with the figure of each cause."""
     unit, another = "N m" if rotary else "N", [*_another_law(found, others)]
     # A regression takes less mass where the acceleration is noisy, and so leaves less of the noise.
     if found.fails and found.moving and found.ratio > misfit.NOTED:

@@ -1,7 +1,5 @@
 """The error that noise or a regression makes in the parts of a recording that are held out."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
@@ -75,7 +73,7 @@ class Moving:
     regression: float  # of mass, Coulomb and viscous friction and a constant force [N]
     fails: bool  # whether the regression is the better one, beyond chance
 
-    def scaled(self, factor: float) -> Moving:
+    def scaled(self, factor: float) -> "Moving":
         """Return the same in other units."""
         return Moving(factor * self.law, factor * self.regression, self.fails)
 

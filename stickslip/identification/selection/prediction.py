@@ -1,7 +1,5 @@
 """A friction law fitted to one part of a recording, and its prediction of the other part."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
@@ -58,10 +56,7 @@ class Candidate:
 
 
 def candidates() -> tuple[Candidate, ...]:
-    """Return Coulomb and viscous friction alone, then the laws with ``candidate``, LuGre first.
-
-    The first is the level case of a law that has a static curve and no presliding.
-    """
+    """Return Coulomb and viscous friction alone (a level case), then the laws, LuGre first."""
     every = map(friction_law, dict.fromkeys(("lugre", *models.law_names())))
     laws = [law for law in every if law.is_candidate]
     static = [law for law in laws if not presliding(law) and ParameterSpace.of(law).bounded]
@@ -112,7 +107,7 @@ class Prediction:
         """Root mean square of the measured force [N]."""
         return self.force / max(self.relative, np.finfo(float).tiny)
 
-    def restored(self, scale: Scale) -> Prediction:
+    def restored(self, scale: Scale) -> "Prediction":
         """Return the prediction of a scaled recording in SI units."""
         return replace(
             self,
@@ -132,11 +127,7 @@ def predictions(
     among: Iterable[Candidate] | None = None,
     workers: int = 1,
 ) -> list[Prediction]:
-    """Return the prediction of each law of the catalogue, or of those given.
-
-    Raises IdentificationError when the recording does not show a drive that slides, or UsageError
-    when it lacks a signal.
-    """
+    """Return the prediction of each law of the catalogue, or of those given."""
     scale = recording_scale(recording)
     scaled, _ = against_motion(scale.recording(recording))
     found = []
@@ -205,10 +196,7 @@ def _shown(fitted: Fit) -> tuple[str, ...]:
 
 
 def held_out(inverse: InverseModel, fitted: Fit) -> Array:
-    """Return measured minus predicted force (k,) [N], each sample by a fit that did not see it.
-
-    The fit of a fold follows from that of all samples by Gauss steps with its Jacobian.
-    """
+    """Return measured minus predicted force (k,) [N], each sample by a fit that did not see it."""
     found = np.empty_like(fitted.residual)
     for fold in folds(len(found), memory(inverse)):
         found[fold.held_out] = _without(inverse, fitted, fold)[fold.held_out]

@@ -1,15 +1,10 @@
 """Logs of one drive, each checked with the force of position that all of them show together."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from stickslip.errors import RecordingError
-from stickslip.identification.sliding.position_force import (
-    find_position_force,
-    with_position_force,
-)
+from stickslip.identification.sliding.position_force import find_position_force, with_position_force
 from stickslip.logs import Finding, Reading, Recording, read_stretch, with_checks
 from stickslip.logs.joined import join
 from stickslip.logs.sets import Log
@@ -50,10 +45,7 @@ class Refused:
 
 
 def check_logs(logs: Sequence[Log], *, alone: bool | None = None) -> Iterator[Checked | Refused]:
-    """Yield each log, read and checked.
-
-    Of one of several logs, which is not ``alone``, it is not told what it shows of the drive.
-    """
+    """Yield each log, read and checked; one of several does not tell what it shows."""
     share = min(1.0, log_content.TOGETHER / len(logs))
     read = [_read(log, share) for log in logs]
     sound = [one for one in read if isinstance(one, Checked) and not _errors(one.findings)]

@@ -13,8 +13,6 @@ bristles that still bend with the distance, and one by slips with the guard, so 
 between the eight show what is not known and are a part of the intervals.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -65,7 +63,7 @@ class Interval:
     low: float
     high: float
 
-    def scaled(self, factor: float) -> Interval:
+    def scaled(self, factor: float) -> "Interval":
         """Return the interval of the value times a positive factor."""
         return Interval(*(factor * one for one in vars(self).values()))
 
@@ -89,7 +87,7 @@ class FrictionCurve:
     rise: dict[str, Interval]  # F_s and v_s, where friction is seen to rise towards rest
     near: float  # travel over which a speed was held at least, where that is seen [m]
 
-    def restored(self, scale: Scale) -> FrictionCurve:
+    def restored(self, scale: Scale) -> "FrictionCurve":
         """Return the curve of a scaled recording in SI units."""
         force = 1.0 / scale.force
         return replace(
@@ -166,7 +164,7 @@ def friction_curve(
     )
 
 
-def _rise(slow: _Estimated) -> dict[str, Interval]:
+def _rise(slow: "_Estimated") -> dict[str, Interval]:
     """Return F_s and v_s by name, from the logarithms of those of the eight curves.
 
     The intervals hold both exponents of the Stribeck curve, unless one is much worse.
@@ -206,7 +204,7 @@ class _Estimated:
 
 
 def _estimated(
-    rows: list[_Rows], distances: tuple[float, float], span: tuple[float, float], knots: int
+    rows: "list[_Rows]", distances: tuple[float, float], span: tuple[float, float], knots: int
 ) -> _Estimated | None:
     """Return the estimates of both low-passes, distances and guards; None without one of them."""
     speeds = rows[-1].speeds(distances[-1], GUARDS[-1], span)

@@ -4,8 +4,6 @@ A sensor that was zeroed again, or another tilt of the axis, shows as a constant
 that all logs have in common. It is told from sliding in both directions.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -11,8 +11,6 @@ stays in a group of waves. Friction that both varies along the guide and differs
 directions makes such waves, hence their least size.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -111,10 +109,7 @@ def varying(values: Mapping[str, float], x: Array) -> Array | None:
 
 
 def _names(*, gravity: bool, loads: bool, orders: Sequence[int]) -> list[str]:
-    """Return the names of F_0 and the terms in the order of ``_columns``, the pitch last.
-
-    Behind those of the weight are those of the friction over it.
-    """
+    """Return the names of F_0 and the terms in the order of ``_columns``, the pitch last."""
     names = ["F_0", *(("g_s", "g_c") if gravity else ()), *(("mu_g", "F_c") if loads else ())]
     names += [f"cogging_{wave}[{k}]" for k in orders for wave in "sc"]
     return [*names, "pitch"] if orders else names
@@ -138,10 +133,7 @@ def with_position_force(recording: Recording, found: PositionForce | None = None
 
 
 def find_position_force(recording: Recording) -> PositionForce | None:
-    """Return the force of position that a recording shows, None where it shows none.
-
-    The recording is in SI units: an arm's weight is that at an angle in rad.
-    """
+    """Return the force of position that a recording in SI units shows, None where it shows none."""
     if recording.force is None or len(recording.t) < 8 * curve_shown.ROWS:
         return None
     signals = (position_of(recording).tobytes(), recording.force.tobytes())
@@ -151,20 +143,14 @@ def find_position_force(recording: Recording) -> PositionForce | None:
 
 @lru_cache(1)  # checks and learning ask for that of the same signals
 def _found(
-    position: bytes,
-    force: bytes,
-    T_s: float,
-    step: float,
-    *,
-    rotary: bool,
-    spans: tuple[Span, ...],
+    position: bytes, force: bytes, T_s: float, step: float, *, rotary: bool, spans: tuple[Span, ...]
 ) -> PositionForce | None:
     with threadpool_limits(limits=1, user_api="blas"):  # sums that are split round differently
         log = _Log(np.frombuffer(position), np.frombuffer(force), T_s, step, spans=spans)
         return _shown(log, rotary=rotary)
 
 
-def _shown(log: _Log, *, rotary: bool) -> PositionForce | None:
+def _shown(log: "_Log", *, rotary: bool) -> PositionForce | None:
     if (rest := log.beside_friction()) is None or not rest.friction > 0.0:
         return None
     log, terms = log.aligned(rest.terms(rotary=rotary))
@@ -218,7 +204,7 @@ class _Terms:
         every = zip(sizes, ends, sizes.values(), strict=True)
         return {name: slice(end - size, end) for name, end, size in every if size}
 
-    def only(self, names: set[str]) -> _Terms | None:
+    def only(self, names: set[str]) -> "_Terms | None":
         """Return the terms of some names alone; None without any."""
         if "gravity" not in names:
             names = names - {"load"}
@@ -267,10 +253,7 @@ class _Rest:
         return float(np.mean((self.force - columns @ found) ** 2)), np.asarray(found[1:])
 
     def pitch(self, *, gravity: bool) -> float | None:
-        """Return the pitch of which three harmonics explain most; None where none fits.
-
-        The strongest wave is the first, second or third harmonic.
-        """
+        """Return the pitch of which three harmonics explain most; None where none fits."""
         travel = float(np.ptp(self.x))
         strongest = self._strongest(gravity=gravity)
         orders = tuple(range(1, HARMONICS + 1))
@@ -400,7 +383,7 @@ class _Log:
         ways = (x[ahead > 0.0], x[ahead < 0.0])
         return all(one.size and np.ptp(one) > BOTH * np.ptp(x) for one in ways)
 
-    def aligned(self, terms: _Terms | None) -> tuple[_Log, _Terms | None]:
+    def aligned(self, terms: _Terms | None) -> "tuple[_Log, _Terms | None]":
         """Return the log with the force at its instant, as terms show it, and these refined."""
         log = self
         for _ in range(SHIFTS):
@@ -460,7 +443,8 @@ class _Log:
             variance += np.diag(covariance)[own].tolist()
             if terms.loads:
                 mean = float(terms.weight(rows.x)[design.used].mean())
-                level = _without_weight(design, mean)
+                level = _usual(design, "F_c", "curve")  # Coulomb friction without a mean weight
+                level[len(FIXED) + 2] = -mean
                 row.insert(4, level @ c)
                 variance.insert(4, level @ covariance @ level)
             values.append(row)
@@ -529,13 +513,6 @@ def _usual(design: Design, name: str, group: str) -> Array:
     begin = design.fixed.shape[1] + sum(count[:place])
     typical = np.log([np.median(design.speed)])
     weights[begin : begin + count[place]] = design.size * hats(typical, design.knots)[0]
-    return weights
-
-
-def _without_weight(design: Design, weight: float) -> Array:
-    """Return the weights (k,) that give Coulomb friction without a mean weight [N] of the arm."""
-    weights = _usual(design, "F_c", "curve")
-    weights[len(FIXED) + 2] = -weight
     return weights
 
 

@@ -1,7 +1,5 @@
 """The rows of a recording in which the drive slides, and the regression of the force on them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -6,8 +6,6 @@ For each Stribeck velocity and exponent the rest follows by linear least squares
 all values with which some other values explain the curve.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

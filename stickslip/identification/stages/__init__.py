@@ -69,11 +69,7 @@ class Identification:
 def identify(
     rig: Rig, specification: LoopSpecification, on_stage: Callable[[str], object] = lambda _: None
 ) -> Identification:
-    """Run the three stages; the velocity loop that stage 2 needs is designed on stage 1.
-
-    Raises IdentificationError when a recording does not show what its stage looks for, or
-    stickslip.servo.axis.ControlError when the axis found cannot meet the specification.
-    """
+    """Run the three stages; the velocity loop that stage 2 needs is designed on stage 1."""
     on_stage("inertia")
     inertia = measure_inertia(rig)
     axis = rig.datasheet.axis(inertia.m.value, max(inertia.b.value, 0.0))

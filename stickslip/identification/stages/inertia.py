@@ -33,10 +33,7 @@ class Inertia:
     speed: float  # mean of theirs [m/s]
 
     def check(self, friction: float) -> None:
-        """Compare the friction that was fitted with that of a constant velocity [N] at ``speed``.
-
-        Raises IdentificationError when they differ by as much as the mass takes.
-        """
+        """Compare the fitted friction with that of a constant velocity [N], or raise."""
         fitted = self.F_c.value + self.b.value * self.speed
         taken = self.m.value * float(np.abs(self.acceleration).mean())
         if abs(fitted - friction) > taken:

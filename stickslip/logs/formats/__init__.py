@@ -40,10 +40,7 @@ SUFFIXES = tuple(suffix for each in _FORMATS for suffix in each.SUFFIXES)
 
 
 def read_table(path: Path, delimiter: str | None = None, decimal: str | None = None) -> LogTable:
-    """Read a log of one of the formats, else text.
-
-    Raises RecordingError when the file cannot be read as the format that content or name indicate.
-    """
+    """Read a log of one of the formats, else text; raise RecordingError where that fails."""
     try:
         data = read_limited(path, MOST)
     except OSError as error:

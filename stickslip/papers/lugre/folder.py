@@ -12,20 +12,13 @@ from stickslip import cosim, models
 from stickslip.catalog.parameters import start_unit, unit_of
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.fmi.process import temporary_folder
-from stickslip.learned.writing import (
-    SCHEMA,
-    component_entry,
-    law_entry,
-    loop_document,
-    validation_document,
-    versions,
-)
+from stickslip.learned import writing
 from stickslip.papers.lugre.page import FIG5, study_section, write_report
 from stickslip.papers.lugre.page import FILES as REPORT
 from stickslip.papers.lugre.published import START, TABLES, PublishedStudy
 from stickslip.papers.lugre.reproduction import Options, Reproduction
 from stickslip.presentation.page import picture_files, write_page
-from stickslip.servo.systems import Compensator, deployed, for_all_platforms
+from stickslip.servo.systems import Compensator, build_loop, deployed, for_all_platforms
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.simulation import pack_input
 from stickslip.storage import staged
@@ -48,11 +41,7 @@ PUBLISHED_FILES = (*(f"{name}.csv" for name in TABLES), *picture_files([FIG5]), 
 
 
 def write_results(reproduction: Reproduction, folder: Path) -> None:
-    """Write tables, report, learned.json, compensator.fmu and loop.ssp.
-
-    An earlier result stays whole until the new one is complete. Raises OSError when a file cannot
-    be written.
-    """
+    """Write the results as a whole: tables, report, learned.json, compensator.fmu, loop.ssp."""
     loops = reproduction.loops
     with staged(folder, command_of(reproduction.options), without=LEARNED_LOOP) as staging:
         tables = {
@@ -75,7 +64,8 @@ def write_results(reproduction: Reproduction, folder: Path) -> None:
                 models.build_fmu(one.model, staging, start=one.values, called=name)
         write_json(reproduction_document(reproduction), staging / "learned.json")
         write_loop(reproduction.system, loop, staging / "loop.ssp", options)
-        write_loop(reproduction.learned_system(), best.loop, staging / LEARNED_LOOP[0], own)
+        system = build_loop(loops.study.rig.fmus, best.loop, best.chain())
+        write_loop(system, best.loop, staging / LEARNED_LOOP[0], own)
         write_report(reproduction, staging)
 
 
@@ -126,7 +116,7 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
     """Return the content of learned.json as plain data, values in SI units."""
     learned, options = reproduction.refinement, reproduction.options
     return {
-        "schema": SCHEMA,
+        "schema": writing.SCHEMA,
         "parameters": state(learned.estimates, unit_of),
         "result": learned.chosen,
         "slow_motions": learned.remark or None,
@@ -135,11 +125,11 @@ def reproduction_document(reproduction: Reproduction) -> dict[str, Any]:
         "runs": learned.runs,
         "seed": options.seed,
         "preset": options.preset,
-        "loop": loop_document(reproduction.identification.loop),
+        "loop": writing.loop_document(reproduction.identification.loop),
         "loop_learning": _loop_learning_entry(reproduction),
-        "validation": validation_document(VALIDATION),
-        **law_entry(reproduction.identification.law),
-        "versions": versions(),
+        "validation": writing.validation_document(VALIDATION),
+        **writing.law_entry(reproduction.identification.law),
+        "versions": writing.versions(),
     }
 
 
@@ -162,11 +152,13 @@ def _loop_learning_entry(reproduction: Reproduction) -> dict[str, Any]:
             for model in reproduction.loops.study.models  # on which candidates ran
         ],
         "genes": state(best.genes, {g.name: g.unit for g in GENES}),
-        "loop": loop_document(best.tuned.loop),
+        "loop": writing.loop_document(best.tuned.loop),
         "share": {"value": best.tuned.share, "unit": "1"},
         "feedforward": _friction_entry(best.tuned.law.name, best.tuned.friction),
     }
-    return found | {one.name: component_entry(one, rotary=False) for one in best.tuned.chain()[1:]}
+    return found | {
+        one.name: writing.component_entry(one, rotary=False) for one in best.tuned.chain()[1:]
+    }
 
 
 def _friction_entry(law: str, friction: Mapping[str, float]) -> dict[str, Any]:

@@ -77,10 +77,7 @@ class PublishedStudy:
         return pd.DataFrame(np.exp(logs.groupby("motion", sort=False).mean()))
 
     def panel(self) -> pd.DataFrame:
-        """Tabulate the methods: seeds, runs (median), cost, then what is left in each motion.
-
-        Medians with ranges: of the cost [m^2/s^2] over seeds, of the rest over seeds and phases.
-        """
+        """Tabulate the methods: seeds, runs, cost, and what is left in each motion, with ranges."""
         rows = []
         for method, seeds in self.seeds.items():
             found = {"cost": pd.DataFrame([self.costs(method)])}
@@ -125,10 +122,7 @@ def study_as_published(
     settings: ga.Settings = ga.PAPER,  # of the algorithm as published
     on_stage: Callable[[str], object] = lambda _: None,
 ) -> PublishedStudy:
-    """Learn from the coarse start of each seed, as published and by least squares.
-
-    The result does not depend on ``workers``, which learn side by side.
-    """
+    """Learn from the coarse start of each seed, as published and by least squares, side by side."""
     loop = identification.loop
     settings_of = {OURS: settings, LOGARITHMIC: replace(settings, encoding="log")}
     methods = (START, OURS, LOGARITHMIC, SQUARES)

@@ -48,10 +48,7 @@ class RecordReproduction(BaseResult):
 
 
 def loops_of_drive(sheet: Datasheet, estimation: Estimation) -> Loops:
-    """Return the paper's loop for a learned axis, and that with velocity filter and inertia.
-
-    Raises ControlError when the loop cannot be designed.
-    """
+    """Return the paper's loop for a learned axis, and that with velocity filter and inertia."""
     known = estimation.known
     plain = design_velocity_loop(sheet.axis(known["m"].value, max(known["b"].value, 0.0)), LOOP)
     F_c = estimation.compensator["F_c"]
@@ -61,11 +58,7 @@ def loops_of_drive(sheet: Datasheet, estimation: Estimation) -> Loops:
 def learn_from_recording(
     rig: FmuRig, seed: int, search: Search, progress: Progress
 ) -> LearnedFromRecording:
-    """Record a drive once, learn from the recording and design the loops.
-
-    Raises stickslip.errors.IdentificationError, stickslip.servo.axis.ControlError when the drive
-    does not show what is looked for, or cannot be recorded.
-    """
+    """Record a drive once, learn from the recording and design the loops, or raise."""
     progress.stage("recording the drive")
     recording = record_drive(rig)
     return learn_recording(
@@ -98,11 +91,7 @@ RECORD_FILES = (
 
 
 def write_record_results(reproduction: RecordReproduction, folder: Path) -> None:
-    """Write the tables, the recording, report, learned.json, compensator.fmu and loop.ssp.
-
-    ``recording.csv`` and ``recording.toml`` are what ``stickslip learn`` needs to learn the same.
-    Raises OSError when a file cannot be written.
-    """
+    """Write the results as a whole, with what ``stickslip learn`` needs to learn the same."""
     learned, loop = reproduction.learned, reproduction.learned.designed.compensated
     estimation = learned.estimation
     with staged(folder, command_of(reproduction.options, mode="record")) as staging:

@@ -23,7 +23,7 @@ from stickslip.papers.lugre.steps import steps, with_steps
 from stickslip.papers.lugre.tables import table2
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
-from stickslip.servo.systems import Changes, build_fmus, build_loop, drive_law, paper_loop
+from stickslip.servo.systems import Changes, build_fmus, drive_law, paper_loop
 from stickslip.servo.tuned_pi import tuned_pi
 from stickslip.studies.learn.learned import Learned
 from stickslip.studies.learn.rig_learning import LearnedOnRig, learn_on_rig
@@ -78,11 +78,6 @@ class Reproduction(BaseResult):
     motions: Evaluation  # all motions with each step
     loops: LoopTuning  # the loop as it was learned, and what each step before it brings
 
-    def learned_system(self) -> cosim.System:
-        """Return the loop that was learned, as a system of FMUs."""
-        best, fmus = self.loops.best.tuned, self.loops.study.rig.fmus
-        return build_loop(fmus, best.loop, best.chain())
-
     def table2(self) -> pd.DataFrame:
         """Return Table 2 with what was found."""
         return table2(self.identification, self.refinement, self.truth)
@@ -93,11 +88,7 @@ class Reproduction(BaseResult):
 
 
 def drive_truth(changes: Changes, law: str = "lugre") -> dict[str, float]:
-    """Return every parameter of the drive FMU, and NaN for those of ``law`` that it lacks.
-
-    Raises models.StartValueError when a change names no parameter or lies outside its range, or
-    models.UnknownLaw when there is no such friction law.
-    """
+    """Return every parameter of the drive FMU, NaN for those of ``law`` that it lacks; or raise."""
     start, own = drive_law(changes)
     model = models.load_model("drive", own).with_start(start)
     known = {v.name: v.start for v in model.variables if v.role == "parameter"}
@@ -112,10 +103,7 @@ def build_rig(options: Options, fmus: Path, progress: Progress) -> FmuRig:
 
 
 def validated(options: Options, rig: FmuRig, learned: Learned, progress: Progress) -> BaseResult:
-    """Run the trapezoid on the drive without and with what was learned; join the truth.
-
-    Raises stickslip.servo.axis.ControlError when no loop could be designed.
-    """
+    """Run the trapezoid without and with what was learned; return it with the truth; or raise."""
     plain, loop, _ = learned.designed
     progress.stage("validating")
     validation = validate(rig, loop, learned.friction, VALIDATION, plain=plain, phases=PHASES)

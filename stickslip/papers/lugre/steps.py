@@ -54,10 +54,7 @@ def by_step(table4: pd.DataFrame) -> pd.DataFrame:
 
 
 def with_steps(table4: pd.DataFrame, evaluation: Evaluation) -> pd.DataFrame:
-    """Return Table 4 with a column [mm/s] for each step that it has not yet, with ranges.
-
-    Behind that of the filter stands the reduction with it, as a fraction.
-    """
+    """Return Table 4 with a column [mm/s] for each step that it has not yet, with ranges."""
     names = [n for n in STEPS if n in evaluation.errors and n not in (UNCOMPENSATED, LEARNED)]
     errors = {n: pd.DataFrame(t.loc[TRAPEZOID.name]) for n, t in evaluation.errors.items()}
     found = {n: errors[n] for n in names}

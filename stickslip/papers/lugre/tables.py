@@ -1,7 +1,4 @@
-"""The tables of the reproduction, as terminal and page show them.
-
-In Table 2 the truth of the drive enters.
-"""
+"""The tables of the reproduction, as terminal and page show them; Table 2 shows the truth."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -24,16 +21,7 @@ from stickslip.papers.lugre.steps import (
     UNCOMPENSATED,
     by_step,
 )
-from stickslip.presentation.quantity import (
-    METRICS,
-    number,
-    parameter_estimate,
-    parameter_unit,
-    parameter_value,
-    percent,
-    ranged,
-    symbol,
-)
+from stickslip.presentation import quantity
 from stickslip.presentation.table import Column, Row, Table
 from stickslip.tuning.loop_runs import GENES
 from stickslip.tuning.refinement import Refinement
@@ -126,19 +114,19 @@ def parameters(found: pd.DataFrame) -> Table:
     """Return ``table2`` as a page shows it."""
 
     def value(row: Row, name: str) -> str:
-        return parameter_value(row["parameter"], nan if row[name] is None else row[name])
+        return quantity.parameter_value(row["parameter"], nan if row[name] is None else row[name])
 
     def estimate(row: Row, name: str, spread: str) -> str:
-        return parameter_estimate(row["parameter"], Estimate(row[name], row[spread]))
+        return quantity.parameter_estimate(row["parameter"], Estimate(row[name], row[spread]))
 
     def off(name: str) -> Column:
         def cell(row: Row) -> str:
-            return percent(row[name] / row["drive"] - 1.0, 2) if row["drive"] else "–"
+            return quantity.percent(row[name] / row["drive"] - 1.0, 2) if row["drive"] else "–"
 
         return Column(name, head=f"{name.capitalize()}, off by", cell=cell)
 
     shown: dict[str, tuple[str, Callable[[Row], str]]] = {
-        "parameter": ("", lambda row: symbol(row["parameter"])),
+        "parameter": ("", lambda row: quantity.symbol(row["parameter"])),
         "paper": ("Real stage (paper)", lambda row: value(row, "paper")),
         "drive": ("Simulated drive", lambda row: value(row, "drive")),
         "identified": ("Identified", lambda row: estimate(row, "identified", "identified_spread")),
@@ -147,7 +135,7 @@ def parameters(found: pd.DataFrame) -> Table:
     columns = (
         *(Column(name, head=head, cell=cell) for name, (head, cell) in shown.items()),
         *map(off, ("identified", "learned")),
-        Column("unit", head="Unit", cell=lambda row: parameter_unit(row["parameter"])),
+        Column("unit", head="Unit", cell=lambda row: quantity.parameter_unit(row["parameter"])),
     )
     return Table.of(columns, found)
 
@@ -161,7 +149,9 @@ def table4(found: pd.DataFrame) -> Table:
             return f"{row[name]:.{digits}f}" + (f" ({'-'.join(ends)})" if ends else "")
 
         show = f"{{:.{digits}f}}".format
-        return Column(name, shown, title, title.capitalize(), lambda row: ranged(row, name, show))
+        return Column(
+            name, shown, title, title.capitalize(), lambda row: quantity.ranged(row, name, show)
+        )
 
     def share(name: str, digits: int = 1) -> Column:
         return Column(
@@ -169,13 +159,13 @@ def table4(found: pd.DataFrame) -> Table:
             lambda row: f"{100 * row[name]:.{digits}f} %",
             "reduction",
             "Reduction",
-            cell=lambda row: ranged(row, name, partial(percent, digits=digits)),
+            cell=lambda row: quantity.ranged(row, name, partial(quantity.percent, digits=digits)),
         )
 
     columns = [
         Column("velocity", "", "velocity", ""),
         Column("region", "", "region", ""),
-        Column("metric", "", "metric", "", cell=lambda row: METRICS[row["metric"]]),
+        Column("metric", "", "metric", "", cell=lambda row: quantity.METRICS[row["metric"]]),
         error("without", "without"),
         error("with", "with"),
         share("reduction"),
@@ -296,11 +286,11 @@ def panel(study: PublishedStudy) -> Table:
 
     def left(name: str) -> Column:
         head = name.replace("_", " ").capitalize()
-        share = partial(percent, digits=0)
-        return Column(name, ".3g", name, head, cell=lambda row: ranged(row, name, share))
+        share = partial(quantity.percent, digits=0)
+        return Column(name, ".3g", name, head, cell=lambda row: quantity.ranged(row, name, share))
 
     def cost(row: Row) -> str:
-        return ranged(row, "cost", partial(number, digits=2))
+        return quantity.ranged(row, "cost", partial(quantity.number, digits=2))
 
     found = study.panel()
     columns = (
@@ -313,7 +303,7 @@ def panel(study: PublishedStudy) -> Table:
     return Table.of(columns, found)
 
 
-SHOWN = METRICS | {"E_x": "$E_x$"}
+SHOWN = quantity.METRICS | {"E_x": "$E_x$"}
 
 
 def error_name(row: Mapping[Any, object]) -> str:
@@ -326,7 +316,7 @@ def _by_step(found: pd.DataFrame) -> list[Column]:
     """Return a column for each step that a table has, with its range."""
 
     def step(name: str) -> Column:
-        return Column(name, head=STEPS[name], cell=lambda row: ranged(row, name))
+        return Column(name, head=STEPS[name], cell=lambda row: quantity.ranged(row, name))
 
     return [step(name) for name in STEPS if name in found]
 
@@ -335,7 +325,7 @@ def steps(table4: pd.DataFrame) -> Table:
     """Return Table 4 with what each step leaves."""
 
     def title(row: Row) -> str:
-        return f"{row['region'].capitalize()}, {METRICS[row['metric']]}"
+        return f"{row['region'].capitalize()}, {quantity.METRICS[row['metric']]}"
 
     found = by_step(table4)
     columns = (Column("region", head="", cell=title), Column("velocity", head=""), *_by_step(found))
@@ -346,7 +336,7 @@ def motions(found: pd.DataFrame) -> Table:
     """Return the errors of motions, of the measured velocity and of the true one."""
 
     def reduced(row: Row) -> str:
-        return percent(reduction(row[UNCOMPENSATED], row[LEARNED]))
+        return quantity.percent(reduction(row[UNCOMPENSATED], row[LEARNED]))
 
     columns = (
         Column("metric", head="", cell=error_name),

@@ -9,8 +9,6 @@ Drives and entrants are data: ``drives.toml``, ``entrants.toml``, and every law 
 the truth of a drive is in the start values of its FMU.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 STARTS = 6  # runs of each command

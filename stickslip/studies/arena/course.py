@@ -1,7 +1,5 @@
 """Runs of an entrant in the loop around a drive."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Mapping
 from pathlib import Path

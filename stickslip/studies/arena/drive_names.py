@@ -1,7 +1,5 @@
 """Names of the default drives, known before anything is imported that designs or simulates them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from importlib.resources import files
 from typing import Any

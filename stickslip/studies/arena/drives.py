@@ -1,7 +1,5 @@
 """The drives of the arena: a law, true parameters, a loop. What tunes does not see them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -60,10 +58,7 @@ class Drive:
         return close_velocity_loop(self.axis, self.T_s, self.tau_f, *gains)
 
     def changes(self, robustness: str, resolution: str) -> Changes:
-        """Return changed drives, and the unchanged one under the names of the commands.
-
-        One command is for other friction, mass and lag, one for another encoder and more noise.
-        """
+        """Return changed drives (mechanics; encoder and noise), and this one, by commands."""
         law, model = models.load_law(self.law), models.load_model("drive", self.law)
         true = {**{v.name: v.start for v in model.variables}, **self.parameters}
         stems = {name: name.partition("[")[0] for name in true}
@@ -100,10 +95,7 @@ def default_drives(laws: Sequence[str] | None = None) -> list[Drive]:
 def read_drives(
     source: Path | Mapping[str, Mapping[str, Any]], laws: Sequence[str] | None = None
 ) -> list[Drive]:
-    """Return the drives of a TOML file in the form of ``drives.toml``, or of its content.
-
-    Raises UsageError when it cannot be read, or a drive is not well formed.
-    """
+    """Return the drives of a TOML file like ``drives.toml``, or of its content; or raise."""
     if isinstance(source, Path):
         return _of_laws(_drives(str(source), read_toml(source))[0], laws)
     return _of_laws(_drives("drives", dict(source))[0], laws)

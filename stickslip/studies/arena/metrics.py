@@ -1,7 +1,5 @@
 """What is measured on a run of an entrant, from the true motion of the drive."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -16,7 +14,6 @@ from stickslip.studies.arena.motion_commands import Command
 ERROR = "error"  # The metric by which entrants are ranked
 RECORDED = ("drive.v", "drive.x", "controller.u", "nominal.v_r")
 Figures = dict[str, tuple[float, str]]  # Value and unit by name of the metric
-
 
 SETTLED, COUNTS = 1e-6, 2.0
 """A move has settled within this position error [m], or so many steps of the encoder."""
@@ -36,13 +33,13 @@ class Trace:
     encoder_step: float  # resolution of the encoder [m]
 
     @classmethod
-    def of(cls, T_s: float, v_cmd: Array, recorded: cosim.Result, encoder_step: float) -> Trace:
+    def of(cls, T_s: float, v_cmd: Array, recorded: cosim.Result, encoder_step: float) -> "Trace":
         """Return it from the recorded signals."""
         v, x, u, v_r = (np.asarray(recorded[name][: len(v_cmd)]) for name in RECORDED)
         return cls(T_s, v_cmd, v, x, u, v_r, encoder_step)
 
     @classmethod
-    def measured(cls, T_s: float, v_cmd: Array, x_enc: Array, encoder_step: float) -> Trace:
+    def measured(cls, T_s: float, v_cmd: Array, x_enc: Array, encoder_step: float) -> "Trace":
         """Return what the encoder (n,) [m] shows of a run; forces are not known."""
         v, unknown = measured_velocity(x_enc, T_s), np.full(len(v_cmd), np.nan)
         return cls(T_s, v_cmd, v, x_enc, unknown, unknown, encoder_step)

@@ -1,7 +1,5 @@
 """The motions of the arena: those to tune with, and others of the same kinds to validate with."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -39,33 +37,23 @@ HOLD = (2.0, 5.0)  # From when to when after a stop the rest counts [s]
 
 @dataclass(frozen=True)
 class Command:
-    """A motion, and which errors of it count.
-
-    Attributes
-    ----------
-    name, title : short name, and display name
-    kind : what is measured on it, one of ``metrics.MEASURES``
-    counted : spans of the motion's regions, by name, whose mean square makes the ``error``
-    relative : speed to which the error in a region is relative [m/s]
-    position : whether it is followed by the position loop
-    ranked : whether its error counts in the mean over all commands
-    """
+    """A motion, and which errors of it count."""
 
     name: str
-    title: str
-    kind: str
+    title: str  # display name
+    kind: str  # what is measured on it, one of ``metrics.MEASURES``
     motion: Motion
-    counted: tuple[str, ...] = ()
-    relative: Mapping[str, float] = field(default_factory=dict)
-    position: bool = False
-    ranked: bool = True
+    counted: tuple[str, ...] = ()  # regions of the motion whose mean square makes the ``error``
+    relative: Mapping[str, float] = field(default_factory=dict)  # [m/s]: of the error in a region
+    position: bool = False  # whether it is followed by the position loop
+    ranked: bool = True  # whether its error counts in the mean over all commands
 
     def sample(self, T_s: float) -> Array:
         """Return the velocities (n,) [m/s], one a sample."""
         n = round(self.motion.duration / T_s) + 1
         return self.motion.command.sample(np.asarray(np.arange(n) * T_s))
 
-    def scaled(self, factor: float) -> Command:
+    def scaled(self, factor: float) -> "Command":
         """Return the command with all velocities and lengths times a factor."""
         if factor == 1.0:
             return self

@@ -4,8 +4,6 @@ A cell is one entrant on one drive. Its result is kept as soon as it is known, s
 was interrupted goes on where it stopped, to the same bytes.
 """
 
-from __future__ import annotations
-
 import json
 import shutil
 import zipfile
@@ -151,10 +149,7 @@ def _document(cell: Cell, seed: int) -> dict[str, Any]:
 
 
 def _footprint(fmus: Path, one: Entrant) -> dict[str, float]:
-    """Return numbers that it keeps between samples, and bytes of its binaries for this platform.
-
-    The numbers are missing for an FMU of the user, which does not tell them.
-    """
+    """Return numbers that it keeps between samples, if told, and bytes of its binaries here."""
     parts = [part for part in one.parts if part.compensator is not None]
     found = {"binary size": 0.0}
     for part in parts:

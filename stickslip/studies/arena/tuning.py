@@ -6,8 +6,6 @@ above the limit is not run. The cost is what validation ranks by, on other motio
 encoder shows it: the geometric mean over the kinds of motion of the errors against the command.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -52,7 +50,7 @@ class TuningResult:
     soon: float  # seconds of motion after which the cost was within ``NEAR`` of that at the end [s]
 
     @classmethod
-    def read(cls, document: Mapping[str, Any]) -> TuningResult:
+    def read(cls, document: Mapping[str, Any]) -> "TuningResult":
         """Return one from its document."""
         return cls(**{**document, "coarse": Coarse(**document["coarse"])})
 
@@ -162,11 +160,7 @@ def tune(
     sheet: Datasheet,
     speed: float = SPEED,
 ) -> TuningResult:
-    """Tune an entrant on the drive in a folder of FMUs, at a speed [m/s].
-
-    Raises NothingLearned when no candidate of the first generation can be run within the limit of
-    Ms.
-    """
+    """Tune an entrant on a drive at a speed [m/s]; raise NothingLearned where Ms allows nothing."""
     commands = [command.scaled(speed / SPEED) for command in TRAINING]
     coarse, plain = measure(fmus, loop, seed, sheet, commands)
     shown, spent = _experiments(fmus, loop, one, sheet, seed)
@@ -205,11 +199,7 @@ class _Rig(FmuRig):
 def _experiments(
     fmus: Path, loop: VelocityLoop, one: Entrant, sheet: Datasheet, seed: int
 ) -> tuple[dict[str, float], float]:
-    """Return the parameters that the parts of an entrant learn by experiments, and the motion [s].
-
-    They need a rig, thus the encoder and the motor force of the drive only. Raises
-    IdentificationError when the drive does not show what an experiment looks for.
-    """
+    """Return what parts learn by experiments on a rig of the drive, and their motion [s]."""
     found, seconds = dict[str, float](), 0.0
     for part in one.parts:
         if not part.experiment or part.law is None:
@@ -253,10 +243,7 @@ class _Trial:
         self.costs: list[float] = []
 
     def __call__(self, values: Array) -> float:
-        """Return the cost of a candidate (k,).
-
-        Raises CandidateFailed when its loop is unstable or above the limit of Ms, or the run fails.
-        """
+        """Return the cost of a candidate (k,); raise CandidateFailed where loop or run fails."""
         self.costs.append(float("inf"))
         try:
             tuned = self.tuned_by(dict(zip(self.names, values.tolist(), strict=True)))

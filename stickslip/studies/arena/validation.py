@@ -1,7 +1,5 @@
 """How well a tuned entrant does on commands on which it was not tuned."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -28,7 +26,6 @@ RATIO, WORST = "error ratio", "worst error ratio"
 """Metrics of drives with other friction, mass or lag."""
 PER_STEP = "error per encoder step"
 
-
 Figures = dict[tuple[str, str, str], list[float]]  # (command, metric, unit) -> a value for each run
 
 
@@ -39,7 +36,7 @@ class ValidationResult:
     figures: Figures = field(default_factory=dict)  # a value for each start
     reason: str = ""  # why a run failed; its errors are infinite
 
-    def add(self, other: ValidationResult) -> None:
+    def add(self, other: "ValidationResult") -> None:
         """Add the figures of runs with other values."""
         self.reason = self.reason or other.reason
         for key, values in other.figures.items():

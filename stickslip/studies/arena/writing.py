@@ -1,7 +1,5 @@
 """The files of an arena; the best compensator of each drive as FMU, C and structured text."""
 
-from __future__ import annotations
-
 import shutil
 from contextlib import suppress
 from pathlib import Path
@@ -18,11 +16,7 @@ from stickslip.storage.writing import write_json
 from stickslip.studies.arena.drives import Drive
 from stickslip.studies.arena.page import FIGURES, TITLE, sections
 from stickslip.studies.arena.protocol import Arena
-from stickslip.studies.arena.table import (
-    entrant_table,
-    relative_errors,
-    robust,
-)
+from stickslip.studies.arena.table import entrant_table, relative_errors, robust
 from stickslip.studies.arena.tuning import TuningResult
 
 TABLE, RANKING = "arena.csv.gz", "ranking.csv"

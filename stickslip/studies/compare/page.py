@@ -15,27 +15,18 @@ from stickslip.identification.fitting.identifiability import (
     NOT_IDENTIFIABLE,
     WEAKLY_IDENTIFIABLE,
 )
+from stickslip.presentation import style
 from stickslip.presentation.interactive import name_points
 from stickslip.presentation.markup import Html
 from stickslip.presentation.page import MADE_WITH, Section
-from stickslip.presentation.style import (
-    GREY,
-    LINE,
-    PAGE,
-    THIN,
-    WITH,
-    WITHOUT,
-    log_ticks,
-    new_figure,
-)
 from stickslip.presentation.table import Table
 from stickslip.servo.measurement import Array
 from stickslip.studies.compare.tables import readable_unit
 
 LOOKS = {
-    NOT_IDENTIFIABLE: (GREY, "white", THIN),
-    WEAKLY_IDENTIFIABLE: (WITHOUT, WITHOUT, LINE),
-    IDENTIFIABLE: (WITH, WITH, LINE),
+    NOT_IDENTIFIABLE: (style.GREY, "white", style.THIN),
+    WEAKLY_IDENTIFIABLE: (style.WITHOUT, style.WITHOUT, style.LINE),
+    IDENTIFIABLE: (style.WITH, style.WITH, style.LINE),
 }
 """Colour of the line and of the inside of the dot, and width of the line [pt]."""
 NUMBERS = ("value", "low", "high")
@@ -51,11 +42,7 @@ LONGEST = 190.0  # Of all lines of a panel [mm]
 def drives_sections(
     parameters: Table, head: Html, file: str, errors: Table | None = None
 ) -> list[Section]:
-    """Return the sections of a page on several drives, with a figure of this name.
-
-    The tables have the columns ``tables.PARAMETERS`` and ``tables.ERRORS``. A drive that failed has
-    a row without a parameter.
-    """
+    """Return the sections of a page on several drives, with a figure of this name."""
     table = parameters.frame()
     learned = [row for row in parameters.rows if isinstance(row.get("parameter"), str)]
     order = {name: k for k, name in enumerate(dict.fromkeys(row["parameter"] for row in learned))}
@@ -93,7 +80,7 @@ def drives_figure(table: pd.DataFrame) -> Figure:
     )
     rows = -(-len(panels) // COLUMNS)
     height = min(max(PITCH * len(names), 12.0), LONGEST / rows)
-    figure = new_figure(PAGE, 12.0 + rows * (height + 17.0))
+    figure = style.new_figure(style.PAGE, 12.0 + rows * (height + 17.0))
     first: Axes | None = None
     for k, (key, of_it) in enumerate(panels):
         parameter, unit = key
@@ -120,7 +107,7 @@ def _draw(axes: Axes, table: pd.DataFrame, line: Array) -> None:
     low, high = _range(table)
     if low > 0.0 and high > DECADES * low:
         axes.set_xscale("log")
-        log_ticks(axes.xaxis, low, high)
+        style.log_ticks(axes.xaxis, low, high)
         low, high = low / (high / low) ** ROOM, high * (high / low) ** ROOM
     else:
         room = ROOM * (high - low) or 0.1 * abs(high) or 1.0

@@ -20,10 +20,6 @@ def readable_unit(parameter: str, unit: str) -> tuple[float, str]:
     return SCALES.get((parameter, unit), (1.0, unit.replace(".", " ")))
 
 
-def _unit(row: Row) -> str:
-    return readable_unit(row["parameter"], row["unit"])[1]
-
-
 def _scaled(row: Row, *names: str) -> str:
     """Return the values of a row that are known, in that unit."""
     factor = readable_unit(row["parameter"], row["unit"])[0]
@@ -37,7 +33,9 @@ def value_column(name: str) -> Column:
 
 
 PARAMETER = Column("parameter", "", "", "parameter", cell=lambda row: symbol(row["parameter"]))
-UNIT = Column("unit", "", "", "unit", cell=_unit)
+UNIT = Column(
+    "unit", "", "", "unit", cell=lambda row: readable_unit(row["parameter"], row["unit"])[1]
+)
 PARAMETERS = (
     Column("name", head="result"),
     PARAMETER,

@@ -44,18 +44,13 @@ def learn_drive(drive: Drive, seed: int, on_stage: OnStage | None = None) -> Out
     threadpool_limits(limits=1, user_api="blas")
     try:
         with ended_by_signals():
-            document = _document(drive, seed, _Stages(on_stage) if on_stage else SILENT)
+            config, progress = drive.files.get("config"), _Stages(on_stage) if on_stage else SILENT
+            description = load_description(config) if config else Description()
+            learned = learn(drive.files["log"], description, seed=seed, progress=progress)
+            document = log_document(learned) | {"findings": [*map(str, learned.findings)]}
     except Exception as error:  # noqa: BLE001 - a fleet outlives any fault of one drive
         return Outcome(reason=_reason(drive, error))
     return Outcome(learned=json.dumps(document))
-
-
-def _document(drive: Drive, seed: int, progress: Progress) -> dict[str, Any]:
-    """Return the content of learned.json, with what the checks found."""
-    config = drive.files.get("config")
-    description = load_description(config) if config else Description()
-    learned = learn(drive.files["log"], description, seed=seed, progress=progress)
-    return log_document(learned) | {"findings": [str(finding) for finding in learned.findings]}
 
 
 def _reason(drive: Drive, error: Exception) -> str:

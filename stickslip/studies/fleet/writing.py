@@ -8,7 +8,7 @@ from typing import Any
 
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.presentation.markup import fill
-from stickslip.presentation.page import Section, picture_files, write_page
+from stickslip.presentation.page import picture_files, write_page
 from stickslip.presentation.table import Column, Table
 from stickslip.storage import completed
 from stickslip.storage.writing import write_json
@@ -30,10 +30,7 @@ PAGE, SUMMARY_TABLE = "fleet.html", "summary.csv"
 
 
 def fleet_table(fleet: Fleet) -> Table:
-    """Return what was learned, in SI units.
-
-    ``low`` and ``high`` bound the 95 % interval. A drive that failed has its name and the reason.
-    """
+    """Return what was learned in SI units, with 95 % intervals; of a failure name and reason."""
     rows: list[dict[str, Any]] = []
     for drive in fleet.drives:
         if drive.name in fleet.reasons:
@@ -71,19 +68,15 @@ def write_fleet(fleet: Fleet, table: Table, folder: Path) -> None:
     known = {name: fleet.learned.get(name) or {"reason": fleet.reasons[name]} for name in names}
     command = {"name": "fleet", "drives": names}
     tables = {TABLE: table.frame(), SUMMARY_TABLE: summary(table).frame()}
+    # What compensators bring is on the page where it was tried.
+    rows = [{"name": name, **error_ratios(document)} for name, document in fleet.learned.items()]
+    errors = Table(ERRORS, rows) if any(not isnan(row["fitted"]) for row in rows) else None
     with completed(folder, command, files_of(fleet.drives), tables) as staging:
         write_json({"drives": known}, staging / "fleet.json")
-        write_page(staging, "Fleet", _sections(fleet, table), PAGE)
+        head = fill("studies/fleet/head.j2", fleet=fleet, over=summary(table))
+        write_page(staging, "Fleet", drives_sections(table, head, "fleet", errors), PAGE)
         for name, document in fleet.learned.items():
             write_json(document, staging / _learned(name))
-
-
-def _sections(fleet: Fleet, table: Table) -> list[Section]:
-    """Return the sections of the page; what compensators bring is there where it was tried."""
-    rows = [{"name": name, **error_ratios(document)} for name, document in fleet.learned.items()]
-    tried = any(not isnan(row["fitted"]) for row in rows)
-    head = fill("studies/fleet/head.j2", fleet=fleet, over=summary(table))
-    return drives_sections(table, head, "fleet", Table(ERRORS, rows) if tried else None)
 
 
 def _learned(name: str) -> str:

@@ -15,16 +15,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stickslip import commandline
 from stickslip.catalog.parameters import unit_of
-from stickslip.commandline import (
-    FLAG,
-    SEVERAL,
-    add_options,
-    add_rare_group,
-    complete_with,
-    positive,
-    warn,
-)
 from stickslip.commandline.assignments import add_law_option
 from stickslip.commandline.execution import (
     add_algorithm_option,
@@ -52,8 +44,6 @@ if TYPE_CHECKING:
     from stickslip.studies.learn.folder import Written
     from stickslip.studies.learn.learned import LearnedFromRecording
     from stickslip.studies.learn.predicted_logs import PredictedLog
-    from stickslip.studies.learn.verdict import Verdict
-
 
 CRITERIA: dict[str, CriterionName] = {
     "auto": "auto",
@@ -72,16 +62,16 @@ FIGURES = {
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_log_argument(parser, several=True)
-    add_options(parser, {"--out DIR": "folder for results and report"}, type=Path)
+    commandline.add_options(parser, {"--out DIR": "folder for results and report"}, type=Path)
     held_out = {"--validate LOG": "logs whose force is predicted, but not learned from"}
-    add_options(parser, held_out, type=Path, **SEVERAL)
-    add_options(parser, {"--check": "only check the log"}, **FLAG)
+    commandline.add_options(parser, held_out, type=Path, **commandline.SEVERAL)
+    commandline.add_options(parser, {"--check": "only check the log"}, **commandline.FLAG)
     add_rig_option(parser, "instead of a log: the drive of this file runs one experiment")
     _declare_compensator(parser.add_argument_group("the compensator"))
     fixed = "the gains of the controller may not change: no others are tried"
-    add_options(add_log_options(parser), {"--fixed-gains": fixed}, **FLAG)
+    commandline.add_options(add_log_options(parser), {"--fixed-gains": fixed}, **commandline.FLAG)
 
-    search = add_rare_group(parser, "the search")
+    search = commandline.add_rare_group(parser, "the search")
     search.add_argument(
         "--criterion",
         choices=sorted(CRITERIA),
@@ -91,7 +81,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     )
     add_seed_option(search)
     add_algorithm_option(search)
-    add_workers_option(add_rare_group(parser, "where the search runs"), "candidates")
+    add_workers_option(commandline.add_rare_group(parser, "where the search runs"), "candidates")
     parser.set_defaults(run=run)
 
 
@@ -107,20 +97,22 @@ def _declare_compensator(group: argparse._ArgumentGroup) -> None:
         "such as ekbf or amin, both as in static+ekbf, or auto for the best of them on the drives "
         "that the log supports",
     )
-    complete_with(named, lambda: ["auto", *part_names()])
+    commandline.complete_with(named, lambda: ["auto", *part_names()])
     group.add_argument(
         "--friction-range",
         nargs=2,
-        type=positive,
+        type=commandline.positive,
         default=harm.levels(),
         metavar=("LEAST", "LARGEST"),
         help="friction that the drive may come to have, over that in the log; there, too, a "
         f"compensator must not be worse than none (default: {harm.FALLS:g} {harm.GROWS:g})",
     )
     absent = {"--without SIGNAL": "signals that the controller cannot give a compensator"}
-    add_options(group, absent, choices=("encoder", "motor_force"), **SEVERAL)
+    commandline.add_options(
+        group, absent, choices=("encoder", "motor_force"), **commandline.SEVERAL
+    )
     force = "write the whole force of the compensator even if it is not recommended"
-    add_options(group, {"--force": force}, **FLAG)
+    commandline.add_options(group, {"--force": force}, **commandline.FLAG)
 
 
 def run(options: argparse.Namespace) -> Answer:
@@ -175,7 +167,7 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
     from stickslip.studies.learn.document import log_document
     from stickslip.studies.learn.folder import write_learned
     from stickslip.studies.learn.log_learning import learn
-    from stickslip.studies.learn.verdict import verdict_of
+    from stickslip.studies.learn.verdict import lines, verdict_of
 
     with (
         TerminalProgress(findings=options.verbose) as progress,
@@ -200,25 +192,19 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
         if options.out:
             progress.stage("writing the results")
             written = write_learned(learned, options.out, force=options.force)
-    _print_verdict(written.verdict if written else verdict_of(learned), options.out)
+    verdict = written.verdict if written else verdict_of(learned)
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+    print(*lines(verdict, options.out, width), sep="\n")
     if options.verbose:
         print_estimation(learned.estimation, learned.predicted)
         _print_trial(learned)
         for warning in learned.warnings:
-            warn(warning)
+            commandline.warn(warning)
         if written:
             _print_written(written)
         if learned.other_gains:
             print(learned.other_gains.sentence)
     return (written.document() if written else log_document(learned)) | {"folder": options.out}
-
-
-def _print_verdict(verdict: Verdict, folder: Path | None) -> None:
-    """Print the verdict, in lines as long as those of a terminal."""
-    from stickslip.studies.learn.verdict import lines
-
-    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
-    print(*lines(verdict, folder, width), sep="\n")
 
 
 def _print_trial(learned: LearnedFromRecording) -> None:
@@ -253,7 +239,7 @@ def _print_written(written: Written) -> None:
     learned, files = written.learned, written.files
     told, *refused = written.sentences
     for sentence in refused:
-        warn(sentence)
+        commandline.warn(sentence)
     benefit = learned.benefit
     if benefit and benefit.share < 1.0 and not learned.refusal and COMPENSATOR in files:
         part = f"{100 * benefit.share:g} % of the learned force"

@@ -1,22 +1,11 @@
 """The content of learned.json of a recording or log: what was learned, and how it was tried."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 
 from stickslip.catalog.parameters import start_unit, unit_of
 from stickslip.evaluation.motions import VALIDATION
-from stickslip.identification.sliding.friction_curve import FrictionCurve
-from stickslip.learned.writing import (
-    OBSERVER_MODEL,
-    SCHEMA,
-    component_entry,
-    law_entry,
-    loop_document,
-    validation_document,
-    versions,
-)
+from stickslip.learned import writing
 from stickslip.models.export.units import motion_unit
 from stickslip.output import plain
 from stickslip.storage.codec import encode, state
@@ -31,7 +20,7 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
     estimation, loop = learned.estimation, learned.known_loop
     rotary = estimation.recording.rotary
     document: dict[str, Any] = {
-        "schema": SCHEMA,
+        "schema": writing.SCHEMA,
         "parameters": tables.parameters(estimation).by_key(),
         "F_0": {"value": estimation.F_0, "unit": unit_of("F_c", rotary=rotary)},
         "delay": {"value": estimation.delay, "unit": "s"},
@@ -55,27 +44,22 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         document["predicted_logs"] = tables.predicted_logs(
             learned.predicted, rotary=rotary
         ).records()
-    if estimation.friction_curve is not None:
-        document["friction_curve"] = curve_document(estimation.friction_curve, rotary=rotary)
+    if (curve := estimation.friction_curve) is not None:  # with viscous friction, 95 % intervals
+        speed, force = unit_of("v_s", rotary=rotary), unit_of("F_c", rotary=rotary)
+        friction = {key: plain(getattr(curve, key)) for key in ("value", "low", "high")}
+        document["friction_curve"] = {
+            "speed": state(curve.speed, speed),
+            "friction": {**friction, "unit": force},
+            "offset": state(curve.offset, force),
+        }
     if estimation.position_force is not None:
         document["position_force"] = tables.position_force(estimation).by_key()
     if loop is not None:
         document |= {
-            "loop": loop_document(loop),
-            "validation": validation_document(VALIDATION, rotary=rotary),
+            "loop": writing.loop_document(loop),
+            "validation": writing.validation_document(VALIDATION, rotary=rotary),
         }
-    return document | law_entry(estimation.law) | {"versions": versions()}
-
-
-def curve_document(curve: FrictionCurve, *, rotary: bool) -> dict[str, Any]:
-    """Return friction at the speeds visited with its 95 % intervals, viscous friction with it."""
-    speed, force = unit_of("v_s", rotary=rotary), unit_of("F_c", rotary=rotary)
-    friction = {key: plain(getattr(curve, key)) for key in ("value", "low", "high")}
-    return {
-        "speed": state(curve.speed, speed),
-        "friction": {**friction, "unit": force},
-        "offset": state(curve.offset, force),
-    }
+    return document | writing.law_entry(estimation.law) | {"versions": writing.versions()}
 
 
 def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
@@ -116,11 +100,11 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
         document["predicted_error"] = tables.predicted(chosen.benefit).records()
     one = learned.feedforward
     if (one.model, one.law) != trial.benefit.variant.feedforward_kind:
-        entry = component_entry(one, rotary=rotary)
+        entry = writing.component_entry(one, rotary=rotary)
         document["feedforward"] = entry | {"share": _share_entry(benefit)}
     return document | {
         "observer": _observer_entry(learned, chosen, rotary=rotary),
-        "validation": validation_document(trial.command, rotary=rotary),
+        "validation": writing.validation_document(trial.command, rotary=rotary),
         "datasheet": encode(trial.datasheet, of_drive),
         "family": encode(trial.drives, of_drive),
         "tracking_error": plain(trial.table()),
@@ -137,8 +121,8 @@ def _observer_entry(learned: LearnedFromRecording, chosen: Row, *, rotary: bool)
     """Return the observer that is written, or why there is none."""
     entry: dict[str, Any] = {"refusal": learned.observer_refusal}
     if designed := chosen.designed:
-        component = component_entry(designed.observer, rotary=rotary)
-        if component["model"] == OBSERVER_MODEL:
+        component = writing.component_entry(designed.observer, rotary=rotary)
+        if component["model"] == writing.OBSERVER_MODEL:
             del component["model"]
         entry |= {
             **component,

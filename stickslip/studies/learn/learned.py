@@ -5,8 +5,6 @@
 What a log gives is then tried in simulation; a reproduction validates it on the drive.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -19,7 +17,8 @@ from stickslip.fmi.messages import escaped
 from stickslip.identification.estimation import Estimation, LearnSettings, Task, candidate_fmus
 from stickslip.identification.estimation import learn as estimate
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
-from stickslip.identification.selection import choose, predictions
+from stickslip.identification.selection.choice import choose
+from stickslip.identification.selection.prediction import predictions
 from stickslip.identification.sliding.log_offsets import with_log_offsets
 from stickslip.identification.sliding.position_force import (
     block_parameters,
@@ -54,13 +53,7 @@ class Learned:
 
     @property
     def designed(self) -> Loops:
-        """The loops of the drive.
-
-        Raises
-        ------
-        ControlError
-            Where none can be designed.
-        """
+        """The loops of the drive; raises ControlError where none can be designed."""
         if isinstance(self.loops, ControlError):
             raise self.loops
         return self.loops
@@ -175,7 +168,7 @@ class LearnedFromRecording(Learned):
     def _shared(self, benefit: Benefit) -> dict[str, float]:
         return benefit.variant.share(self.estimation.law, benefit.share).feedforward
 
-    def with_whole_force(self) -> LearnedFromRecording:
+    def with_whole_force(self) -> "LearnedFromRecording":
         """Return the same with the compensator at its whole force, whatever that does."""
         if self.trial is None:
             return self
@@ -274,10 +267,7 @@ def learn_recording(
     settings: LearnSettings,
     progress: Progress = SILENT,
 ) -> LearnedFromRecording:
-    """Estimate a drive from a recording and design its loops.
-
-    Raises IdentificationError when the recording does not show a drive that slides.
-    """
+    """Estimate a drive that slides from a recording, or raise, and design its loops."""
     position_force, choice = find_position_force(recording), None
     recording = with_position_force(recording)
     recording, differing = with_log_offsets(recording)

@@ -30,10 +30,7 @@ from stickslip.identification.criteria.motion import against_motion, recording_s
 from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.estimation import CriterionName, LearnSettings, Search
 from stickslip.identification.sliding.checked_logs import Checked, Refused, check_logs, joined
-from stickslip.identification.sliding.position_force import (
-    PositionForce,
-    with_position_force,
-)
+from stickslip.identification.sliding.position_force import PositionForce, with_position_force
 from stickslip.logs import (
     Description,
     Finding,

@@ -1,7 +1,5 @@
 """Logs that were not learned from, and the force that the learned drive predicts of them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
@@ -32,10 +30,7 @@ class PredictedLog:
 def predicted_logs(
     estimation: Estimation, recordings: Iterable[Recording], workers: int = 1
 ) -> Iterator[PredictedLog]:
-    """Yield what the learned law predicts of each log, and what Coulomb and viscous friction does.
-
-    All values are those of the logs that were learned from; nothing is fitted.
-    """
+    """Yield what the learned law, and Coulomb and viscous friction, predict of each log."""
     tried: list[tuple[Candidate, Values]] = [
         (Candidate(estimation.law), estimation.parameters),
         *(

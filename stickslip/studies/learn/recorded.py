@@ -1,7 +1,5 @@
 """An experiment on a rig becomes a recording, as a log does."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from stickslip.logs import Controller, Reading, Recording
@@ -11,14 +9,10 @@ from stickslip.servo.velocity_loop import VelocityLoop
 
 
 def record_drive(rig: Rig, limits: Limits = LINEAR) -> Recording:
-    """Run one experiment on a drive without compensation, in the loop of the rig.
+    """Run one experiment without compensation in the loop of the rig, at its rate.
 
     Raises LimitError when a limit of the rig refuses or aborts it, or RigError when it did not end
     as commanded.
-
-    Parameters
-    ----------
-    limits : of the experiment; its rate is that of the rig
     """
     limits = replace(limits, rate=1.0 / rig.T_s)
     v_cmd = plan(limits)["velocity_command"].to_numpy()

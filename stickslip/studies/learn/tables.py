@@ -1,7 +1,5 @@
 """The tables of what was learned of a log, as the terminal, the page and the files have them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import Any
@@ -204,10 +202,7 @@ def findings(estimation: Estimation, found: Iterable[Finding]) -> Table:
 
 
 def predicted(benefit: Benefit) -> Table:
-    """Return the error with a compensator over that without it, at each level of friction.
-
-    A row has the median over the drives in one motion, and the interval of the true drive.
-    """
+    """Return the error with a compensator over that without, by motion and level of friction."""
     names = ("motion", "figure", "speed", "friction", "drives", "ratio", "low", "high", "decides")
     rows = []
     for one in (*benefit.motions, *by_motion(benefit.beyond)):

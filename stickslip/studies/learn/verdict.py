@@ -275,12 +275,9 @@ def _left(errors: Sequence[MotionError]) -> str:
             f" {number(100 * high, 2)} % are predicted for the true drive"
         )
         if worse := [one.motion for one in own if one.high > 1.0]:
-            found[-1] += f", so it may get worse in {_listed(worse, own)}"
+            where = ", ".join(worse) if len(worse) < len(own) else "any motion"
+            found[-1] += f", so it may get worse in {where}"
     return "; ".join(found)
-
-
-def _listed(worse: Sequence[str], every: Sequence[MotionError]) -> str:
-    return ", ".join(worse) if len(worse) < len(every) else "any motion"
 
 
 def _sentence(loop: LoopShare) -> str:
@@ -342,10 +339,7 @@ def _doubts(learned: LearnedFromRecording) -> Iterator[str]:
 
 
 def lines(verdict: Verdict, folder: Path | None, width: int | None) -> list[str]:
-    """Return the verdict as lines of a terminal, the last doubts left out where it is too long.
-
-    Without a width lines are not wrapped.
-    """
+    """Return the verdict as lines of a terminal of a width, the last doubts left out if long."""
     more = f"{folder}/report.html shows all; " if folder else "--out DIR writes it and a page; "
     if folder and verdict.files:
         more += f"{folder}/deploy/steps.html tells how to deploy; "

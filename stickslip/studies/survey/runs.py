@@ -32,7 +32,6 @@ _CONTEXT = multiprocessing.get_context("forkserver")
 _CONTEXT.set_forkserver_preload(["fmpy.simulation", "stickslip.simulation"])
 _FMPY = {"co_simulation": "CoSimulation", "model_exchange": "ModelExchange"}
 
-
 Run = Callable[..., "Iterator[RunOutcome]"]
 Times = tuple[float, float, float]  # start, stop and step of both runs [s]
 

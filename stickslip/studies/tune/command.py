@@ -4,8 +4,6 @@ stickslip tune axis/learned.json --out tuned
 stickslip tune loop.ssp --set-range controller.K_p=1e3:1e4 --cost cost.toml --out tuned
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 from pathlib import Path

@@ -5,22 +5,16 @@ one, and the tuned one, whose predicted Ms is within the limit. After each motio
 compared with that of the present loop; the first one that is worse than allowed ends it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace
 from statistics import geometric_mean
 
 import numpy as np
+from numpy.random import default_rng
 
 from stickslip.errors import LimitError, UsageError
-from stickslip.evaluation.tracking import (
-    LearnedDrive,
-    feedforward,
-    measured_errors,
-    measured_velocity,
-)
+from stickslip.evaluation import tracking
 from stickslip.learned.file import LearnedFile
 from stickslip.logs import Recording
 from stickslip.loops.drive_loop import DriveLoop
@@ -50,27 +44,16 @@ def tune_on_rig(
     rig: Rig,
     learned: LearnedFile,
     settings: TuneSettings | None = None,
-    motions: int = MOTIONS,
+    motions: int = MOTIONS,  # of the rig, at most
     *,
     progress: Progress = SILENT,
 ) -> TunedDrive:
     """Tune the loop of a learned drive, and take what also helps in a few motions of the drive.
 
-    An observer would have to run in the drive; the loop that is tuned has none.
-
-    Parameters
-    ----------
-    motions : budget
-
-    Raises
-    ------
-    LimitError
-        When a limit of the rig ends a motion of the present loop.
-    RigError
-        When a motion did not end otherwise; the drive is not moved again.
-    UsageError
-        When the file has no loop, its sample period is not that of the rig, or no motion of the
-        trial keeps the limits of the rig.
+    An observer would have to run in the drive; the loop that is tuned has none. Raises LimitError
+    when a limit of the rig ends a motion of the present loop, RigError when a motion did not end
+    otherwise; UsageError when the file has no loop, its sample period is not that of the rig, or no
+    motion of the trial keeps the limits of the rig.
     """
     settings, start = settings or TuneSettings(), replace(DriveLoop.of(learned), observer=None)
     T_s, limits = start.loop.T_s, rig.bounds
@@ -116,7 +99,7 @@ def tune_on_rig(
     return replace(_with(found, taken), on_rig=test.trial(motions, stopped))
 
 
-def _chosen(test: RigTest, commands: Sequence[Motion], kinds: int) -> list[Motion]:
+def _chosen(test: "RigTest", commands: Sequence[Motion], kinds: int) -> list[Motion]:
     """Return motions of the trial, the fastest and others, that keep the limits of the rig."""
     within, refused = list[Motion](), ""
     firsts = {motion.name: motion for motion in reversed(commands)}  # as for the drive as fitted
@@ -144,12 +127,6 @@ def _with(found: TunedDrive, taken: Step | None) -> TunedDrive:
     return replace(found, best=taken.loop, rows=taken.rows, Ms=(found.Ms[0], taken.Ms))
 
 
-def _least_errors(step: float, T_s: float) -> tuple[float, float]:
-    """Return the errors of velocity [m/s] and position [m] that steps of an encoder [m] show."""
-    places = step * (np.random.default_rng(0).random(4096) - 0.5)
-    return float(np.std(measured_velocity(places, T_s))), step / math.sqrt(12.0)
-
-
 class RigTest:
     """Runs motions on a rig and compares them with those of the present loop."""
 
@@ -157,10 +134,12 @@ class RigTest:
         self.rig, self.learned, self.start = rig, learned, start
         self.motions: list[RigMotion] = []
         loop, self._T_s = start.loop, rig.T_s
-        held = hold_time(loop, learned.friction, rig.datasheet.encoder_step)
-        self._hold = round(held / self._T_s)
+        step = rig.datasheet.encoder_step
+        self._hold = round(hold_time(loop, learned.friction, step) / self._T_s)
         self._crossover = min(loop.K_p / (2.0 * math.pi * loop.axis.m), 0.2 / self._T_s)  # [Hz]
-        self._shown = _least_errors(rig.datasheet.encoder_step, self._T_s)
+        # Errors of velocity [m/s] and position [m] that the steps of the encoder show
+        noise = tracking.measured_velocity(step * (default_rng(0).random(4096) - 0.5), self._T_s)
+        self._shown = float(np.std(noise)), step / math.sqrt(12.0)
         bounds = rig.bounds
         self._peak = min(rig.datasheet.peak_force, bounds.force if bounds else math.inf)
 
@@ -169,8 +148,8 @@ class RigTest:
         v_cmd = np.append(motion.v_cmd, np.zeros(self._hold))
         added = None
         if one.feedforward is not None:
-            drive = LearnedDrive(one.law.name, {}, one.feedforward, one.loop)
-            added = feedforward(self._recording(v_cmd, *np.zeros((2, len(v_cmd)))), drive)
+            drive = tracking.LearnedDrive(one.law.name, {}, one.feedforward, one.loop)
+            added = tracking.feedforward(self._recording(v_cmd, *np.zeros((2, len(v_cmd)))), drive)
         return Command(self._T_s, one.loop, velocity=v_cmd, added_force=added)
 
     def run(self, one: DriveLoop, name: str, motion: Motion) -> str:
@@ -184,7 +163,7 @@ class RigTest:
             return f"{name}, {motion.name}: {fault}"
         v_cmd = command.signals["v_cmd"]
         x_cmd = command.signals.get("x_cmd", np.zeros_like(v_cmd))
-        shown = measured_errors(self._recording(v_cmd, log.x_enc, log.F_m), v_cmd, x_cmd)
+        shown = tracking.measured_errors(self._recording(v_cmd, log.x_enc, log.F_m), v_cmd, x_cmd)
         errors = [float(np.sqrt(np.mean(e**2))) for e in shown[: 2 if one.loop.K_x else 1]]
         rest, step = log.x_enc[-self._hold // 2 :], self.rig.datasheet.encoder_step
         unit = one.loop.axis.unit("um")

@@ -1,7 +1,5 @@
 """What ``stickslip tune LEARNED.json`` does: a search of the loop on the drives of the file."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -169,11 +167,7 @@ def tune_drive(
     *,
     start: DriveLoop | None = None,  # the present loop, by default that of the file
 ) -> TunedDrive:
-    """Search the loop of a learned drive, and choose among the best on the whole family.
-
-    Raises UsageError when the file has no loop or a name is unknown, or NothingLearned when no
-    candidate can be run.
-    """
+    """Search the loop of a learned drive, and choose among the best on the whole family."""
     start = start or DriveLoop.of(learned)
     problem = start.problem(settings.ranges, settings.fixed)
     sheet = learned.datasheet
@@ -218,10 +212,7 @@ def tune_drive(
 
 
 def _steps(start: DriveLoop, best: DriveLoop, n: int, cost: FamilyCost) -> Iterator[Step]:
-    """Yield n loops in even steps from one to another, without those beyond a limit.
-
-    Steps are even in the logarithm of what is above 0.
-    """
+    """Yield n loops in steps, even by the logarithm, to another, without those beyond a limit."""
     before, after = start.tunable, best.tunable
     for k in range(1, n + 1):
         share, values = k / n, dict[str, float]()
@@ -239,10 +230,7 @@ def _steps(start: DriveLoop, best: DriveLoop, n: int, cost: FamilyCost) -> Itera
 
 
 def masses_of(learned: LearnedFile) -> tuple[float, ...]:
-    """Return the masses at which the limit of Ms holds, relative to that of the loop.
-
-    They are those of the interval in the file, and at least those for which observers are designed.
-    """
+    """Return the masses at which the limit of Ms holds, relative to that of the loop."""
     entry = learned.document["parameters"].get("m") or {}
     loop = learned.loop
     m = loop.axis.m if loop else math.nan

@@ -7,8 +7,6 @@ weight = 1.0                # 1 by default
 window = [0.2, 1.0]         # in s; the whole run by default
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -10,14 +10,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.commandline import add_options, require_files, warn, write_files
-from stickslip.commandline.log_options import (
-    add_log_options,
-    add_rig_option,
-    description_of,
-    one_of,
-    rig_of,
-)
+from stickslip.commandline import add_options, log_options, require_files, warn, write_files
 from stickslip.commandline.progress import TerminalProgress
 from stickslip.errors import HarmfulError, UsageError
 from stickslip.output import Answer
@@ -40,17 +33,17 @@ def declare(parser: argparse.ArgumentParser) -> None:
         "on the same command"
     )
     add_options(parser, logs, type=Path)
-    add_rig_option(
+    log_options.add_rig_option(
         parser, "run a motion without and with the compensator on the drive of this file"
     )
     add_options(parser, {"--out DIR": "folder for tables, figures and page"}, type=Path)
-    add_log_options(parser)
+    log_options.add_log_options(parser)
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> Answer:
     """Compare with a log, or run a motion on a rig."""
-    file = one_of("a learned.json", options.learned, options.learned_option)
+    file = log_options.one_of("a learned.json", options.learned, options.learned_option)
     require_files(options.log, options.without, options.rig)
     from stickslip.learned.file import LearnedFile
     from stickslip.studies.validate.page import comparison, log
@@ -76,7 +69,9 @@ def _on_log(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]
     from stickslip.studies.validate.page.log import write_log_validation
     from stickslip.studies.validate.tables import signals as errors_of
 
-    log = read_log(options.log, description_of(options), learned, TerminalProgress().findings)
+    log = read_log(
+        options.log, log_options.description_of(options), learned, TerminalProgress().findings
+    )
     found = validate_log(log, learned)
     first, *reasons = verdict(found, learned.drive)
     print(f"\nverdict: {first}", *(f"  {reason}" for reason in reasons), sep="\n")
@@ -98,7 +93,7 @@ def _on_two_logs(options: argparse.Namespace, learned: LearnedFile) -> dict[str,
     from stickslip.studies.validate.page.comparison import write_comparison
     from stickslip.studies.validate.tables import tracking
 
-    description = description_of(options)
+    description = log_options.description_of(options)
     compensated, without = (
         read_log(path, description, learned) for path in (options.log, options.without)
     )
@@ -128,7 +123,7 @@ def _on_rig(options: argparse.Namespace, learned: LearnedFile) -> dict[str, Any]
     compensator, command = learned.compensator, learned.validation
     with (
         reserved(options.out, ["validation.csv"]),
-        rig_of(options.rig, options.out, learned.law.name) as (rig, _),
+        log_options.rig_of(options.rig, options.out, learned.law.name) as (rig, _),
         TerminalProgress() as progress,
     ):
         if rig is None:

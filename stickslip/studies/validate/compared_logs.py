@@ -70,10 +70,7 @@ class LogComparison:
 
 
 def common(without: Recording, compensated: Recording) -> tuple[Recording, list[Overlap]]:
-    """Return the second log on the sampling of the first, and where both have the same command.
-
-    Raises UsageError when the commands differ, or one was not logged.
-    """
+    """Return the second log on the first's sampling, and where both have the same command."""
     compensated = resampled(compensated, without.T_s)
     first, second = commanded_velocity(without), commanded_velocity(compensated)
     edge = round(EDGE / cutoff(without.T_s) / without.T_s)
@@ -132,10 +129,7 @@ def compared(
 ) -> TrackingComparison:
     """Return the errors of two recordings at samples (n,) of each."""
     velocity, position = {}, {}
-    for name, recording, samples in (
-        (NONE, without, first),
-        (FEEDFORWARD, compensated, second),
-    ):
+    for name, recording, samples in ((NONE, without, first), (FEEDFORWARD, compensated, second)):
         v_cmd, x_cmd = commanded_velocity(recording), commanded_position(recording)
         v_error, x_error = (error[samples] for error in measured_errors(recording, v_cmd, x_cmd))
         if recording.position_command is None:  # the offset of its integral is not known

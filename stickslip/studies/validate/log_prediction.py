@@ -4,8 +4,6 @@ Nothing is fitted to the log but the time by which its force shows late. Errors 
 what noise, the steps of the encoder and the intervals of the parameters make.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,18 +16,11 @@ from threadpoolctl import threadpool_limits
 
 from stickslip.catalog.parameters import Values, friction_law
 from stickslip.evaluation.tracking import LearnedDrive
+from stickslip.identification.criteria import motion
 from stickslip.identification.criteria.controller_check import ControllerCheck, check_controller
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit, goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop
-from stickslip.identification.criteria.motion import (
-    Scale,
-    means,
-    measured_force,
-    position_noise,
-    position_of,
-    recording_scale,
-)
 from stickslip.identification.criteria.runs import Diverged
 from stickslip.identification.estimation.faults import change_of_friction
 from stickslip.identification.selection.folds import encoder_error, explained
@@ -58,7 +49,7 @@ class SignalError:
         both = float(np.hypot(self.noise, self.intervals))
         return self.error / both if both > 0.0 else np.inf
 
-    def times(self, factor: float) -> SignalError:
+    def times(self, factor: float) -> "SignalError":
         """Return it in another unit."""
         return SignalError(
             factor * self.error, self.relative, factor * self.noise, factor * self.intervals
@@ -73,12 +64,7 @@ class Change:
     low: float
     high: float
 
-    @property
-    def is_significant(self) -> bool:
-        """Whether the interval is all on one side of 0."""
-        return self.low > 0.0 or self.high < 0.0
-
-    def times(self, factor: float) -> Change:
+    def times(self, factor: float) -> "Change":
         """Return it in another unit."""
         return Change(factor * self.value, factor * self.low, factor * self.high)
 
@@ -110,11 +96,8 @@ def predict_log(
     drive: LearnedDrive,
     errors: Mapping[str, float],  # standard errors of the drive's parameters by name
 ) -> LogPrediction:
-    """Return what a learned drive predicts of a log.
-
-    Raises UsageError when the log lacks a motion or a force.
-    """
-    scale = recording_scale(recording)
+    """Return what a learned drive predicts of a log; raise UsageError without motion or force."""
+    scale = motion.recording_scale(recording)
     scaled_gains = None if gains is None else scale.values(gains)
     scaled, values = scale.recording(recording), scale.values(drive.values)
     with threadpool_limits(limits=1, user_api="blas"):
@@ -137,7 +120,7 @@ def predict_log(
             for name, one in found.changes.items()
         },
         spans=spans,
-        goodness=found.goodness.scaled(Scale(force, length)),
+        goodness=found.goodness.scaled(motion.Scale(force, length)),
     )
 
 
@@ -173,7 +156,9 @@ def _predict(
         except Diverged:
             goodness = replace(goodness, simulated=None)
         else:
-            parts["position_error"] = means(position_of(recording) - simulated, inverse.q)[used]
+            parts["position_error"] = motion.means(
+                motion.position_of(recording) - simulated, inverse.q
+            )[used]
     return LogPrediction(
         recording, signals, changes, _spans(t, parts), drift=drift, goodness=goodness, check=check
     )
@@ -230,8 +215,8 @@ def _loop_errors(
 ) -> dict[str, SignalError]:
     """Return the errors of the simulated loop; its noise is that of simulated logs."""
     fmus, recording = inverse.fmus, inverse.recording
-    position, step, T_s = position_of(recording), recording.encoder_step, recording.T_s
-    noise = float(np.sqrt(max(position_noise(position, step) ** 2 - step**2 / 12.0, 0.0)))
+    position, step, T_s = motion.position_of(recording), recording.encoder_step, recording.T_s
+    noise = float(np.sqrt(max(motion.position_noise(position, step) ** 2 - step**2 / 12.0, 0.0)))
     at = {**values, "delay": max(values["delay"], 0.0)}
     with KnownLoop(fmus, recording, gains) as loop:
 
@@ -250,7 +235,7 @@ def _loop_errors(
             x = run["candidate.x_enc"]
             left.append(np.array([x, _velocity(x, T_s), run["controller.u"]]) - smooth)
     made = np.sqrt(np.mean(np.square(left), axis=(0, 2)))
-    recorded = (position, _velocity(position, T_s), measured_force(recording))
+    recorded = (position, _velocity(position, T_s), motion.measured_force(recording))
     relative = (goodness.position, goodness.velocity, goodness.closed_loop_force)
     names = ("position", "velocity", "closed_loop_force")
     return {

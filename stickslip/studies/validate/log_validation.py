@@ -6,22 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip import cosim
+from stickslip import cosim, logs
 from stickslip.errors import UsageError
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE, LearnedDrive, simulate
 from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.motion import recording_scale
 from stickslip.identification.estimation import candidate_fmus
 from stickslip.learned.file import LearnedFile
-from stickslip.logs import (
-    Description,
-    Finding,
-    Reading,
-    aligned,
-    raise_errors,
-    read_and_check,
-    samples_late,
-)
 from stickslip.logs.description import Controller
 from stickslip.logs.reading import with_velocity_command
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -33,25 +24,22 @@ from stickslip.studies.validate.log_prediction import LogPrediction, predict_log
 class LogInLoop:
     """A log that was read, and the controller with which it was recorded."""
 
-    reading: Reading
+    reading: logs.Reading
     gains: Mapping[str, float] | None  # of the controller FMU by name; None where it is not known
     controller: str  # where it is known from, as displayed
 
 
 def read_log(
     path: Path,
-    description: Description,
+    description: logs.Description,
     learned: LearnedFile,
-    on_findings: Callable[[Iterable[Finding]], object] = lambda _: None,
+    on_findings: Callable[[Iterable[logs.Finding]], object] = lambda _: None,
 ) -> LogInLoop:
-    """Read a log of a learned drive; its controller is the one given, or that of the file.
-
-    Raises RecordingError, UsageError when it cannot be read, or is of another kind of drive.
-    """
-    reading, findings = read_and_check(path, description, known=learned.with_position_force)
-    raise_errors(path, findings)
+    """Read a log of a learned drive; its controller is the one given, or that of the file."""
+    reading, findings = logs.read_and_check(path, description, known=learned.with_position_force)
+    logs.raise_errors(path, findings)
     on_findings(findings)
-    recording = aligned(reading.recording, samples_late(reading.recording))
+    recording = logs.aligned(reading.recording, logs.samples_late(reading.recording))
     kinds = [("linear", "rotary")[rotary] for rotary in (recording.rotary, learned.rotary)]
     if kinds[0] != kinds[1]:
         raise UsageError(

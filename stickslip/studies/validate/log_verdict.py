@@ -81,7 +81,8 @@ def material(found: LogPrediction, values: Values) -> Iterator[tuple[str, Change
         "F_0": transfer.OFFSET * level,
     }
     for name, change in found.changes.items():
-        if change.is_significant and abs(change.value) > least[name]:
+        is_significant = change.low > 0.0 or change.high < 0.0
+        if is_significant and abs(change.value) > least[name]:
             yield name, change
 
 

@@ -8,13 +8,7 @@ from stickslip.evaluation.tracking import FEEDFORWARD, NONE
 from stickslip.logs import Motion
 from stickslip.models.export.units import motion_unit
 from stickslip.presentation.quantity import interval, number, percentage, unit
-from stickslip.presentation.scale import (
-    WORDS,
-    Scale,
-    force_scale,
-    position_scale,
-    velocity_scale,
-)
+from stickslip.presentation.scale import WORDS, Scale, force_scale, position_scale, velocity_scale
 from stickslip.presentation.table import Column, Row, Table, scaled, share, units
 from stickslip.studies.learn.tables import error_title
 from stickslip.studies.validate.compared_logs import LogComparison, TrackingComparison

@@ -49,10 +49,17 @@ _BOTH = [
     ("illegal-state", "state is a parameter", '"local" variability="continuous" initial="exact"', '"parameter" variability="tunable"'),
     ("reinit-of-no-state", "at an output", 'declaredType="Length"', 'declaredType="Length" reinit="true"'),
     ("multiple-set-of-no-input", "at an output", 'causality="output"', 'causality="output" canHandleMultipleSetPerTimeInstant="true"'),
+    ("wrong-encoding", "Latin-1", "UTF-8", "ISO-8859-1"),
+    ("missing-start", "of an input", '"m/s" start="0"', '"m/s"'),
+    ("missing-start", "of a parameter", 'max="10" start="2"', 'max="10"'),
+    ("superfluous-start", "calculated", 'unit="m/s" derivative', 'unit="m/s" start="0" derivative'),
+    ("kinds-do-not-match", "too few", '"fixed constant"', '"fixed"'),
+    ("start-differs", "in the description", 'max="10" start="2"', 'max="10" start="3"'),
+    ("undeclared-category", "not listed", '<Category name="logEvents"/>', ""),
+    ("output-derivatives-fail", "not implemented", '<CoSimulation ', '<CoSimulation maxOutputDerivativeOrder="1" '),
 ]  # fmt: skip
 
 _FMI2 = [
-    ("wrong-encoding", "Latin-1", "UTF-8", "ISO-8859-1"),
     ("unknown-version", "2.1", 'fmiVersion="2.0"', 'fmiVersion="2.1"'),
     ("fmi1-is-not-judged", "1.0", 'fmiVersion="2.0"', 'fmiVersion="1.0"'),
     ("empty-token", "empty guid", "{reference-2}", ""),
@@ -61,9 +68,6 @@ _FMI2 = [
     ("alias-starts", "two parameters", 'valueReference="7"', 'valueReference="6"'),
     ("alias-units", "two units", 'valueReference="5"', 'valueReference="3"'),
     ("alias-inputs", "two parameters", 'valueReference="7"', 'valueReference="6"'),
-    ("missing-start", "of an input", '"m/s" start="0"', '"m/s"'),
-    ("missing-start", "of a parameter", 'max="10" start="2"', 'max="10"'),
-    ("superfluous-start", "calculated", 'unit="m/s" derivative', 'unit="m/s" start="0" derivative'),
     ("independent-variable", "two", 'causality="input"', 'causality="independent"'),
     ("bad-derivative", "index beyond the end", 'derivative="3"', 'derivative="99"'),
     ("bad-derivative", "of itself", 'derivative="3"', 'derivative="4"'),
@@ -78,7 +82,6 @@ _FMI2 = [
     ("initial-unknowns", "parameter listed", '<Unknown index="5" dependencies="2 3 8"/>', '<Unknown index="5"/><Unknown index="7"/>'),
     ("unknown-dependency", "index beyond the end", 'index="9" dependencies=""', 'index="9" dependencies="77"'),
     ("repeated-dependency", "twice", 'dependencies="2 3 8"', 'dependencies="2 2 3 8"'),
-    ("kinds-do-not-match", "too few", '"fixed constant"', '"fixed"'),
     ("kinds-do-not-match", "without dependencies", 'index="9" dependencies=""', 'index="9" dependenciesKind="dependent"'),
     ("illegal-kind", "of an initial unknown", 'dependencies="2 3 8"', 'dependencies="2 3 8" dependenciesKind="fixed fixed fixed"'),
     ("illegal-kind", "of an integer", 'index="9" dependencies=""', 'index="9" dependencies="2" dependenciesKind="constant"'),
@@ -92,17 +95,13 @@ _FMI2 = [
     ("undeclared-dependency", "feedthrough not listed", '<Unknown index="5" dependencies="2 3" dependenciesKind="fixed constant"/>', '<Unknown index="5" dependencies="3"/>'),
     ("undeclared-dependency", "of a derivative", '<Unknown index="4" dependencies="2 3" dependenciesKind="constant fixed"/>', '<Unknown index="4" dependencies="2"/>'),
     ("refuses-its-token", "guid of another build", "{reference-2}", "{reference-1}"),
-    ("start-differs", "in the description", 'max="10" start="2"', 'max="10" start="3"'),
     ("wrong-count", "event indicators", 'numberOfEventIndicators="1"', 'numberOfEventIndicators="0"'),
-    ("undeclared-category", "not listed", '<Category name="logEvents"/>', ""),
-    ("output-derivatives-fail", "not implemented", '<CoSimulation ', '<CoSimulation maxOutputDerivativeOrder="1" '),
     ("input-derivatives-fail", "not implemented", '<CoSimulation ', '<CoSimulation canInterpolateInputs="true" '),
     ("start-not-of-type", "too large", '"0" start="0"', '"0" start="3000000000"'),
     ("dependency-never-seen", "on the input", 'index="9" dependencies=""', 'index="9" dependencies="2"'),
 ]  # fmt: skip
 
 _FMI3 = [
-    ("wrong-encoding", "Latin-1", "UTF-8", "ISO-8859-1"),
     ("unknown-version", "3.1-bad", 'fmiVersion="3.0"', 'fmiVersion="3.1-bad"'),
     ("empty-token", "empty token", "{reference-3}", ""),
     ("schema-violation", "token missing", ' instantiationToken="{reference-3}"', ""),
@@ -111,9 +110,6 @@ _FMI3 = [
     ("duplicate-type", "named as a variable", 'EnumerationType name="Option"', 'EnumerationType name="u"'),
     ("duplicate-name", "of an alias", 'Alias name="position"', 'Alias name="y"'),
     ("duplicate-reference", "two variables", 'valueReference="7"', 'valueReference="6"'),
-    ("missing-start", "of an input", '"m/s" start="0"', '"m/s"'),
-    ("missing-start", "of a parameter", 'max="10" start="2"', 'max="10"'),
-    ("superfluous-start", "calculated", 'unit="m/s" derivative', 'unit="m/s" start="0" derivative'),
     ("superfluous-start", "of the time", 'unit="s"/>', 'unit="s" start="0"/>'),
     ("independent-variable", "none", 'causality="independent"', 'causality="local"'),
     ("illegal-intermediate-update", "of a parameter", '<Float64 name="k"', '<Float64 intermediateUpdate="true" name="k"'),
@@ -135,7 +131,6 @@ _FMI3 = [
     ("bad-event-indicator", "a fixed parameter", '<EventIndicator valueReference="9"', '<EventIndicator valueReference="6"'),
     ("bad-clocked-state", "no clock", "<InitialUnknown valueReference=\"3\"", '<ClockedState valueReference="8"/><InitialUnknown valueReference="3"'),
     ("unknown-dependency", "no such reference", 'valueReference="8" dependencies=""', 'valueReference="8" dependencies="4242"'),
-    ("kinds-do-not-match", "too few", '"fixed constant"', '"fixed"'),
     ("kinds-do-not-match", "without dependencies", 'valueReference="8" dependencies=""', 'valueReference="8" dependenciesKind="dependent"'),
     ("illegal-kind", "of an integer", 'valueReference="8" dependencies=""', 'valueReference="8" dependencies="1" dependenciesKind="constant"'),
     ("serialise-without-state", "flag missing", 'canGetAndSetFMUState="true" ', ""),
@@ -149,9 +144,6 @@ _FMI3 = [
     ("bad-previous", "without clocks", '<Int32 name="count"', '<Int32 previous="8" name="count"'),
     ("undeclared-dependency", "feedthrough not listed", 'valueReference="4" dependencies="1 2" dependenciesKind="fixed constant"', 'valueReference="4" dependencies="2"'),
     ("refuses-its-token", "token of another build", "{reference-3}", "{reference-1}"),
-    ("start-differs", "in the description", 'max="10" start="2"', 'max="10" start="3"'),
-    ("undeclared-category", "not listed", '<Category name="logEvents"/>', ""),
-    ("output-derivatives-fail", "not implemented", '<CoSimulation ', '<CoSimulation maxOutputDerivativeOrder="1" '),
 ]  # fmt: skip
 
 _SOUND = (HERE / "description2.xml").read_text(encoding="utf-8")

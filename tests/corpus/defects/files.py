@@ -20,7 +20,6 @@ from tests.corpus.hostile.zips import DEFLATE, LINK, STORED, UTF8, Member, zippe
 
 _TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 _BUILD = "sources/buildDescription.xml"
-_MEMBER = '<TerminalMemberVariable variableName="y" memberName="x" variableKind="signal"/>'
 
 
 def _file_seeds(version: int) -> list[tuple[str, str, Writer]]:

@@ -142,10 +142,9 @@ static bool attempt(const char *line) {
         a[k] = argument(words[k + 2]);
     if (n > 1)
         return syscall(argument(words[1]), a[0], a[1], a[2], a[3], a[4], a[5]) >= 0;
-    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
         if (strcmp(others[i].name, words[0]) == 0)
             return others[i].worked();
-    }
     return true; /* there is no such attempt */
 }
 

@@ -50,9 +50,8 @@ SHOWN void arm(const char *plan) {
     function[0] = '\0';
     sscanf(plan, "%63s %d %d %d", function, &nth, &status, &astray);
     fault = NO_FAULT;
-    for (int i = 1; i < N_FAULTS; i++) {
+    for (int i = 1; i < N_FAULTS; i++)
         fault = strcmp(function, WORDS[i]) == 0 ? (Fault)i : fault;
-    }
 }
 
 /* Instances and states that were made and not freed; calls on instances that are corrupted. */
@@ -77,9 +76,8 @@ static void say(Model *m) { /* the standard wants the environment that the FMU w
 
 static int answer(Model *m, const char *name) {
     abused += m->born < fatal;
-    if (strcmp(name, function) != 0 || (++calls != nth && nth != 0)) {
+    if (strcmp(name, function) != 0 || (++calls != nth && nth != 0))
         return 0;
-    }
     say(m);
     fatal += status == 4;
     return status;
@@ -94,9 +92,8 @@ static int answer(Model *m, const char *name) {
 
 static Model *make(const char *token, fmi2CallbackLogger log2, fmi3LogMessageCallback log3,
                    void *environment) {
-    if (strcmp(token, "armed elsewhere") != 0 && function[0] == '\0') {
+    if (strcmp(token, "armed elsewhere") != 0 && function[0] == '\0')
         arm(token);
-    }
     Model *m = calloc(1, sizeof *m);
     m->born = fatal;
     m->k = 1.0;
@@ -133,9 +130,8 @@ static int begin(Model *c) {
 
 static int set(Model *c, const unsigned *r, size_t n, const double *v) {
     ANSWER("SetReal");
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         *(r[i] == U ? &c->u : r[i] == K ? &c->k : &c->x[0]) = v[i];
-    }
     return said;
 }
 
@@ -161,9 +157,8 @@ static int get(Model *c, const unsigned *r, size_t n, double *v) {
 static int step(Model *c, double t, double h) {
     ANSWER("DoStep");
     if ((fault == SAY || fault == SILENT) && ++calls == nth) {
-        if (fault == SILENT) {
+        if (fault == SILENT)
             return status;
-        }
         say(c);
     }
     if (fault == LONG && h > 1.0001e-3 * nth) {
@@ -184,9 +179,8 @@ static void save(Model *c, void **s) {
 }
 
 static void restore(Model *c, const Model *state) {
-    if (fault != FREEZE) {
+    if (fault != FREEZE)
         c->u = state->u, c->x[0] = state->x[0], c->k = state->k, c->t = state->t;
-    }
 }
 
 static size_t size_of(void) {

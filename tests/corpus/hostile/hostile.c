@@ -59,32 +59,27 @@ static void *chat(void *m) {
 static void leak(void) {
     for (;;) {
         volatile char *room = malloc(1 << 24);
-        for (size_t i = 0; i < 1 << 24; i += 4096) {
+        for (size_t i = 0; i < 1 << 24; i += 4096)
             room[i] = 1; /* also where there was none */
-        }
     }
 }
 
 static void ignore(int number) { (void)number; }
 
 static void flood(void) {
-    for (;;) {
+    for (;;)
         puts("there is no end to what I have to say about every step that I was asked to make");
-    }
 }
 
 static void flood_log(const Model *m) {
-    for (;;) {
+    for (;;)
         say(m, 1, "this step was almost too much for me");
-    }
 }
 
 static void sleep_elsewhere(void) {
-    if (fork() == 0) {
-        for (;;) {
+    if (fork() == 0)
+        for (;;)
             sleep(1000);
-        }
-    }
 }
 
 /* To zero; arm64 has one bit for both. */
@@ -102,9 +97,8 @@ static void flush_subnormals(bool results, bool operands) {
 
 static void change(void) {
     const int ours[] = {SIGINT, SIGTERM, SIGSEGV, SIGFPE, SIGPIPE, SIGCHLD, SIGALRM};
-    for (size_t i = 0; i < sizeof ours / sizeof *ours; i++) {
+    for (size_t i = 0; i < sizeof ours / sizeof *ours; i++)
         signal(ours[i], ignore);
-    }
 }
 
 /* What an FMU may return with; everything else does not return, or leaves something behind. */
@@ -174,39 +168,32 @@ static int act(Model *m) {
     IF("round_to_zero") { fesetround(FE_TOWARDZERO); }
     IF("signals") { change(); }
     IF("close") {
-        for (int i = 0; i < 1024; i++) {
+        for (int i = 0; i < 1024; i++)
             close(i);
-        }
     }
     IF("close_standard") {
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 3; i++)
             close(i);
-        }
     }
     IF("scribble") {
-        for (int i = 0; i < 1024; i++) {
+        for (int i = 0; i < 1024; i++)
             (void)!write(i, "{\"error\": 1}{\"error\": 1}", 24);
-        }
     }
     IF("scribble_standard") {
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 3; i++)
             (void)!write(i, "what is printed", 15);
-        }
     }
     IF("scribble_lines") {
-        for (int i = 0; i < 1024; i++) {
+        for (int i = 0; i < 1024; i++)
             (void)!write(i, "\n5\n[]\n\xff\xfe\n", 9);
-        }
     }
     IF("scribble_frame") { /* two bytes behind their length */
-        for (int i = 0; i < 1024; i++) {
+        for (int i = 0; i < 1024; i++)
             (void)!write(i, "\2\0\0\0\0\0\0\0{}", 10);
-        }
     }
     IF("mumble") {
-        for (int i = 0; i < 1024; i++) {
+        for (int i = 0; i < 1024; i++)
             (void)!write(i, "\2\0\0", 3);
-        }
         sleep(1000);
     }
     IF("chat_astray") { astray = true; }
@@ -232,15 +219,13 @@ static int call(Model *m, const char *name) {
 /* The behaviour lies two folders above the library. */
 __attribute__((constructor)) static void load(void) {
     Dl_info self;
-    if (!dladdr((void *)load, &self) || strlen(self.dli_fname) > 4000) {
+    if (!dladdr((void *)load, &self) || strlen(self.dli_fname) > 4000)
         return;
-    }
     strcpy(place, self.dli_fname);
     for (int i = 0; i < 3; i++) {
         char *slash = strrchr(place, '/');
-        if (slash) {
+        if (slash)
             *slash = '\0';
-        }
     }
     strcat(place, "/resources/behaviour.txt");
     FILE *file = fopen(place, "r");
@@ -260,24 +245,19 @@ static void start(Model *m) {
 
 static Model *instantiate(const char *token, const Model *face) {
     Model *m = calloc(1, sizeof *m);
-    if (!m) {
+    if (!m)
         return NULL;
-    }
     *m = *face;
     start(m);
     if (strcmp(when, "Instantiate") == 0 && --due == 0) {
-        if (strcmp(what, "null") == 0) {
+        if (strcmp(what, "null") == 0)
             return NULL;
-        }
-        if (strcmp(what, "say_null") == 0) {
+        if (strcmp(what, "say_null") == 0)
             return say(m, 3, "no licence"), NULL;
-        }
-        if (strcmp(what, "garbage") == 0) {
+        if (strcmp(what, "garbage") == 0)
             return (Model *)(size_t)16;
-        }
-        if (strcmp(what, "same") == 0 && last) {
+        if (strcmp(what, "same") == 0 && last)
             return last;
-        }
         act(m);
     }
     if (strcmp(token, "hostile") != 0) {
@@ -291,9 +271,8 @@ static Model *instantiate(const char *token, const Model *face) {
 static int step(Model *m, double t, double h) {
     const double place_of_k = 7.0 * m->real[K];
     const int status = call(m, "DoStep");
-    if (m->real[FRAGILE] > 0.0 && t > 0.05 && place_of_k - floor(place_of_k) < 0.1) {
+    if (m->real[FRAGILE] > 0.0 && t > 0.05 && place_of_k - floor(place_of_k) < 0.1)
         *(volatile int *)8 = 1;
-    }
     m->real[Y] += h * m->real[K] * m->real[U];
     m->time = t + h;
     return status;
@@ -301,9 +280,8 @@ static int step(Model *m, double t, double h) {
 
 static int set(Model *m, const unsigned r[], size_t n, const double v[]) {
     for (size_t i = 0; i < n; i++) {
-        if (r[i] >= N_REALS) {
+        if (r[i] >= N_REALS)
             return 3;
-        }
         m->real[r[i]] = v[i];
     }
     return call(m, "SetReal");
@@ -311,9 +289,8 @@ static int set(Model *m, const unsigned r[], size_t n, const double v[]) {
 
 static int get(Model *m, const unsigned r[], size_t n, double v[]) {
     for (size_t i = 0; i < n; i++) {
-        if (r[i] >= N_REALS && r[i] != TIME) {
+        if (r[i] >= N_REALS && r[i] != TIME)
             return 3;
-        }
         v[i] = r[i] == TIME ? m->time : m->real[r[i]];
     }
     return call(m, "GetReal");

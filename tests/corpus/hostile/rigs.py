@@ -1,10 +1,7 @@
 """Drives behind sockets that answer what they should not, rigs that return no logs, kept logs."""
 
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-
-import numpy as np
 
 from tests.corpus.hostile.case import Case, Content, python
 
@@ -78,11 +75,6 @@ def _command(name: str, about: str, says: str, arguments: str) -> Case:
     return _python(f"command-{name}", f"a command {about}", says, f"{_LOOP}ss.Command({arguments})")
 
 
-def _other_arrays(path: Path) -> None:
-    np.savez(path, t=np.zeros(3))
-
-
-_NO_MORE: Callable[[Path], object] = Path.mkdir
 _PROTOCOL = "its answer to 'hello' is not of protocol 1"
 CASES = [
     _answers("http", "as a web server does", "connection lost .*Expecting value", 'b"HTTP/1.1 400 Bad Request"'),
@@ -100,6 +92,6 @@ CASES = [
     _returns("short", "fewer samples than the command has", "a log of 2 samples; expected 3", "ss.Log(np.zeros(2), np.zeros(2), np.zeros(2))"),
     _returns("nan", "a position of NaN", "x_enc of the log is nan in sample 0", "ss.Log(np.zeros(3), np.full(3, np.nan), np.zeros(3))"),
     _kept("text", "text", r"motion-0001.npz: is damaged .*delete this file to run the motion again", "npz", "hello"),
-    _kept("folder", "a folder, into which no log could be written after the motion", "motion-0001.npz: is damaged", "npz", _NO_MORE),
+    _kept("folder", "a folder, into which no log could be written after the motion", "motion-0001.npz: is damaged", "npz", Path.mkdir),
     _kept("begun-list", "begun, as a list", "motion-0001.json: is damaged", "json", "[]"),
 ]  # fmt: skip

@@ -2,18 +2,16 @@
 
 import logging
 import pickle
-import re
 import threading
 from weakref import WeakKeyDictionary
 
-import fmpy
 import numpy as np
 import pytest
 
 from stickslip import cosim
 from stickslip.cosim.fmu import instance as once
 from stickslip.simulation import simulate
-from tests.cosim.single import halves, joined, one, repacked, saves
+from tests.cosim.single import by_fmpy, edited, halves, joined, one, repacked, saves
 
 
 def test_the_only_library_of_the_folder_is_taken_with_a_warning(export, version, caplog):
@@ -95,7 +93,7 @@ def test_co_simulation_is_told_what_it_proposed_unless_another_is_given(
     times = {"step": 0.1, "stop": 0.1, "record": [recorded]}
     assert system.prepare(**times).run()["a.told"][-1] == told
     assert system.prepare(**times, tolerance=1e-4).run()["a.told"][-1] == 1e-4
-    assert fmpy.simulate_fmu(str(path), stop_time=0.1, output=["told"])["told"][-1] == told
+    assert by_fmpy(path, None, 0.1, "told")["told"][-1] == told
 
 
 @pytest.mark.parametrize("experiment", ["", PROPOSED, 'tolerance="-1"'])
@@ -104,9 +102,7 @@ def test_model_exchange_takes_the_tolerance_that_fmpy_takes(export, version, exp
     system = one(path)
     ours = system.prepare(step=0.1, stop=5.0).run()
     usual = {"relative_tolerance": 1e-5} if "-1" in experiment else {}
-    theirs = fmpy.simulate_fmu(
-        str(path), stop_time=5.0, output_interval=0.1, output=["position"], **usual
-    )
+    theirs = by_fmpy(path, 0.1, 5.0, "position", fmi_type=None, **usual)
     np.testing.assert_array_equal(ours["a.position"], theirs["position"])
 
 
@@ -219,42 +215,27 @@ def test_arrays_are_refused(export):
             run(system, {name: 1.0})
 
 
-def described(path, other, *changes):
-    """Return a copy of an FMU whose description was changed by regular expressions."""
-
-    def change(name, content):
-        text = content.decode() if name == "modelDescription.xml" else None
-        for old, new in changes if text else ():
-            assert re.search(old, text)
-            text = re.sub(old, new, text)
-        return text.encode() if text else content
-
-    return repacked(path, other, change)
-
-
 def gained(path):
     """Return the result of three times two."""
     return simulate(path, stop=0.1, step=0.1, parameters={"k": 3.0}, inputs={"u": 2.0})
 
 
 def test_missing_dependencies_mean_all_inputs(make, tmp_path):
-    dependencies = ('index="2" dependencies="1"', 'index="2"')
-    path = described(make("gain"), tmp_path / "changed.fmu", dependencies)
+    dependencies = {'index="2" dependencies="1"': 'index="2"'}
+    path = edited(make("gain"), tmp_path / "changed.fmu", dependencies)
     assert cosim.Fmu(path).feedthrough["y"] == {"u"}
 
 
 def test_an_identifier_with_a_hyphen_names_a_file_all_the_same(make, tmp_path):
-    identifier = ('modelIdentifier="gain"', 'modelIdentifier="2-gain"')
-    path = described(make("gain"), tmp_path / "2-gain.fmu", identifier)
+    identifier = {'modelIdentifier="gain"': 'modelIdentifier="2-gain"'}
+    path = edited(make("gain"), tmp_path / "2-gain.fmu", identifier)
     repacked(path, path, lambda _, content: content, lambda name: name.replace("/gain", "/2-gain"))
     assert gained(path)["2-gain.y"][-1] == 6.0
 
 
 def test_an_fmu_without_outputs_shows_its_local_variables(make, tmp_path, version):
-    unlisted = ("<Outputs>.*</Outputs>|<Output [^>]*/>", "")
-    path = described(
-        make("gain", version), tmp_path / "gain.fmu", ('"output"', '"local"'), unlisted
-    )
+    unlisted = {'"output"': '"local"', "<Outputs>.*</Outputs>|<Output [^>]*/>": ""}
+    path = edited(make("gain", version), tmp_path / "gain.fmu", unlisted)
     result = gained(path)
     assert result["gain.y"][-1] == 6.0
     assert all(

@@ -24,9 +24,8 @@ static void multiply(const double *a, const double *b, double *c) {
     for (int i = 0; i < M; i++) {
         for (int j = 0; j < M; j++) {
             c[i * M + j] = 0.0;
-            for (int k = 0; k < M; k++) {
+            for (int k = 0; k < M; k++)
                 c[i * M + j] += a[i * M + k] * b[k * M + j];
-            }
         }
     }
 }
@@ -34,12 +33,10 @@ static void multiply(const double *a, const double *b, double *c) {
 static void exponential(double *a) {
     double term[M * M], sum[M * M], product[M * M], norm = 0.0;
     int halvings = 0;
-    for (int i = 0; i < M * M; i++) {
+    for (int i = 0; i < M * M; i++)
         norm += fabs(a[i]);
-    }
-    for (; norm > 0.5; norm /= 2.0) {
+    for (; norm > 0.5; norm /= 2.0)
         halvings++;
-    }
     for (int i = 0; i < M * M; i++) {
         a[i] = ldexp(a[i], -halvings);
         sum[i] = term[i] = i % (M + 1) == 0;
@@ -76,9 +73,8 @@ static int step(Model *m, double h) {
     exponential(a);
     for (int i = 0; i < N; i++) {
         x[i] = 0.0;
-        for (int j = 0; j < M; j++) {
+        for (int j = 0; j < M; j++)
             x[i] += a[i * M + j] * z[j];
-        }
     }
     for (int i = 0; i < N; i++) {
         m->x[i] = x[i];
@@ -101,20 +97,17 @@ static double output(const Model *m, int i) {
 static int set(Model *m, const unsigned r[], size_t n, const double v[]) {
     for (size_t i = 0; i < n; i++) {
         m->real[r[i]] = v[i];
-        if (r[i] >= U && r[i] < U + N) {
+        if (r[i] >= U && r[i] < U + N)
             m->du[0][r[i] - U] = m->du[1][r[i] - U] = 0.0;
-        }
-        if (r[i] >= X0 && r[i] < X0 + N) {
+        if (r[i] >= X0 && r[i] < X0 + N)
             m->x[r[i] - X0] = v[i];
-        }
     }
     return 0;
 }
 
 static int get(const Model *m, const unsigned r[], size_t n, double v[]) {
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         v[i] = r[i] >= Y && r[i] < Y + N ? output(m, (int)(r[i] - Y)) : m->real[r[i]];
-    }
     return 0;
 }
 
@@ -123,9 +116,8 @@ static void start(Model *m) { memset(m, 0, sizeof *m); }
 static void derivatives(const Model *m, double dx[]) {
     for (size_t i = 0; i < N; i++) {
         dx[i] = m->real[E + i];
-        for (size_t j = 0; j < N; j++) {
+        for (size_t j = 0; j < N; j++)
             dx[i] += m->real[A + i * N + j] * m->x[j] + m->real[B + i * N + j] * m->real[U + j];
-        }
     }
 #ifdef LEAVES_ROUNDING
     fesetround(FE_UPWARD);
@@ -140,9 +132,8 @@ static void derivatives(const Model *m, double dx[]) {
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const unsigned r[], size_t n,
                                        const fmi2Integer order[], const fmi2Real v[]) {
     for (size_t i = 0; i < n; i++) {
-        if (order[i] > MAX_ORDER) {
+        if (order[i] > MAX_ORDER)
             return fmi2Error;
-        }
         ((Model *)c)->du[order[i] - 1][r[i] - U] = v[i];
     }
     return fmi2OK;

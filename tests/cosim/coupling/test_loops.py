@@ -156,14 +156,10 @@ def test_a_value_that_is_not_finite_is_blamed_not_the_loop(gains):
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"method": "newton"},
-        {"degree": 3},
-        {"tolerance": 0.0},
-        {"max_iterations": 0},
-        {"every": {"a": 0}},
-        {"every": {"a": 2}, "degree": 1},
+        {"method": "newton"}, {"degree": 3}, {"tolerance": 0.0}, {"max_iterations": 0},
+        {"every": {"a": 0}}, {"every": {"a": 2}, "degree": 1},
     ],
-)
+)  # fmt: skip
 def test_impossible_couplings_are_refused(wrong):
     with pytest.raises(cosim.CosimError):
         cosim.Coupling(**wrong)

@@ -73,18 +73,11 @@ def _framed(content: bytes, token: bytes = TOKEN, check: int | None = None) -> b
 @pytest.mark.parametrize(
     "content",
     [
-        b"x",
-        b"\xff" * 100,
-        b"\2" + bytes(7) + b"{}",
-        bytes(100),
-        _framed(b"{}", token=bytes(16)),
-        _framed(b"{}", check=0),
-        _framed(b"5"),
-        _framed(b"\xff\xfe"),
-        _framed(b"[" * 100_000),
+        b"x", b"\xff" * 100, b"\2" + bytes(7) + b"{}", bytes(100), _framed(b"{}", token=bytes(16)),
+        _framed(b"{}", check=0), _framed(b"5"), _framed(b"\xff\xfe"), _framed(b"[" * 100_000),
         struct.pack("<16sQL", TOKEN, 2**40, 0),
     ],
-)
+)  # fmt: skip
 def test_nonsense_is_no_answer(kind, content):
     """But for what Python prints as it starts, before the first answer."""
     with connected(kind) as (answers, write, _):

@@ -64,18 +64,11 @@ def run(system, limits=LIMITS, **arguments):
 @pytest.mark.parametrize(
     "behaviour",
     [
-        "DoStep chdir",
-        "DoStep locale",
-        "load flush",
-        "Instantiate round",
-        "load signals",
-        "DoStep fork 3",
-        "DoStep daemon",
-        "DoStep chat",
-        "DoStep chat_astray",
+        "DoStep chdir", "DoStep locale", "load flush", "Instantiate round", "load signals",
+        "DoStep fork 3", "DoStep daemon", "DoStep chat", "DoStep chat_astray",
         "DoStep close_standard",
     ],
-)
+)  # fmt: skip
 def test_what_it_changes_is_left_behind(hostile, children, behaviour):
     here, files = (Path.cwd(), signal.getsignal(signal.SIGINT)), open_files()
     result = run(hostile(behaviour))

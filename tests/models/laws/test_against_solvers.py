@@ -31,12 +31,8 @@ def test_dahl_with_any_exponent(follow, i, v):
 
 
 TWO = {
-    "kappa[1]": 0.612839,
-    "kappa[2]": 0.0,
-    "kappa[3]": 0.0,
-    "kappa[4]": 0.387161,
-    "W[1]": 3.0 / F_C,
-}
+    "kappa[1]": 0.612839, "kappa[2]": 0.0, "kappa[3]": 0.0, "kappa[4]": 0.387161, "W[1]": 3.0 / F_C,
+}  # fmt: skip
 
 
 def stretching(v: float, q: np.ndarray, n: float) -> tuple[float, float]:

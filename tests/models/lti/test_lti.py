@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stickslip import cosim, models
-from tests.cosim.single import exposed
+from tests.cosim.single import by_fmpy, exposed
 
 each_version = pytest.mark.parametrize("fmi", [2, 3])
 
@@ -144,10 +144,8 @@ def test_model_exchange_follows_python_control(tmp_path):
     """Integrated by FMPy's solver, within its tolerance."""
     system = many_modes(10)
     path = models.export_lti(system, tmp_path, fmi=3)
-    result = fmpy.simulate_fmu(
-        str(path), fmi_type="ModelExchange", stop_time=3.0, output_interval=0.01,
-        relative_tolerance=1e-9, start_values={"u[0]": 1.0}, output=["y[0]"],
-    )  # fmt: skip
+    how = {"fmi_type": "ModelExchange", "relative_tolerance": 1e-9}
+    result = by_fmpy(path, 0.01, 3.0, "y[0]", start_values={"u[0]": 1.0}, **how)
     expected = control.step_response(system, result["time"]).outputs
     np.testing.assert_allclose(result["y[0]"], expected, rtol=0, atol=1e-5 * np.ptp(expected))
     assert np.ptp(expected) > 1.0

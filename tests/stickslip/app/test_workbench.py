@@ -17,10 +17,7 @@ sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not 
 pytest.importorskip("nicegui", reason="nicegui is not installed")
 httpx = pytest.importorskip("httpx")  # which nicegui requires
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium")]
 LONG = 300_000  # a learning, on a busy machine [ms]
 
 

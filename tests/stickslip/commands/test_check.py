@@ -8,6 +8,7 @@ import stickslip as ss
 from stickslip import models
 from stickslip.cli import main
 from tests.corpus.defects import binaries
+from tests.cosim.single import edited
 
 
 @pytest.fixture(scope="module")
@@ -16,7 +17,7 @@ def sound(tmp_path_factory):
 
 
 @pytest.fixture
-def broken(sound, edited, tmp_path):
+def broken(sound, tmp_path):
     """The same FMU with a unit that nothing defines, and one warning."""
     return edited(sound, tmp_path / "broken.fmu", {'unit="kg"': 'unit="stone"'})
 
@@ -62,9 +63,7 @@ def test_no_run_does_not_load_the_binary(tmp_path, capsys):
     assert main(["check", path, "--no-run"]) == 0
 
 
-def test_each_fmu_of_a_package_is_checked_and_its_structure(
-    sound, broken, edited, tmp_path, capsys
-):
+def test_each_fmu_of_a_package_is_checked_and_its_structure(sound, broken, tmp_path, capsys):
     system = ss.System("two")
     system.add("a", sound)
     system.add("b", broken)

@@ -3,7 +3,6 @@
 import json
 import re
 
-import fmpy
 import numpy as np
 import pytest
 
@@ -22,7 +21,7 @@ from stickslip.servo.tuned_pi import with_inertia, with_velocity_filter
 from stickslip.servo.velocity_filter import FilterSpecification, Observer, design_velocity_filter
 from stickslip.servo.velocity_loop import close_velocity_loop, design_velocity_loop
 from stickslip.storage.codec import encode
-from tests.cosim.single import exposed
+from tests.cosim.single import by_fmpy, exposed
 
 AXIS = Axis(5.557, 6.6135, 1e-4)
 LOOPS = {
@@ -301,17 +300,8 @@ def test_the_tuned_loop_in_fmpy(results, fmi, tmp_path, capsys):
     with system.prepare(step=STEP, stop=STOP) as simulation:
         v_cmd = 0.01 * np.sin(2 * np.pi * simulation.time)
         ours = simulation.run({"compensator.sigma_0": 1e5}, {"v_cmd": v_cmd})
-    command = np.array(
-        list(zip(ours.time, v_cmd, strict=True)), dtype=[("time", "f8"), ("v_cmd", "f8")]
-    )
-    theirs = fmpy.simulate_fmu(
-        str(path),
-        stop_time=STOP,
-        step_size=STEP,
-        output_interval=STEP,
-        start_values={"compensator.sigma_0": 1e5},
-        input=command,
-    )
+    how = {"step_size": STEP, "start_values": {"compensator.sigma_0": 1e5}}
+    theirs = by_fmpy(path, STEP, STOP, inputs=[ours.time, ("v_cmd", "f8", v_cmd)], **how)
     shown = theirs.dtype.names[1:]
     assert shown
     assert all(name.startswith("drive.") for name in shown)

@@ -13,6 +13,7 @@ from stickslip.cli import main
 from stickslip.fmi.messages import named
 from tests.corpus.hostile.sound import describe, replaced
 from tests.corpus.hostile.zips import zipped
+from tests.cosim.single import edited
 
 TIMES = ["--stop", "0.02", "--step", "0.001"]
 
@@ -67,7 +68,7 @@ def test_a_resumed_run_writes_its_file_as_it_goes(stage, every, tmp_path):
     assert rest.points == len(found) - 1
 
 
-def test_an_fmu_of_another_tool_with_dots_in_names_and_no_step(stage, force, edited, tmp_path):
+def test_an_fmu_of_another_tool_with_dots_in_names_and_no_step(stage, force, tmp_path):
     name, path = force
     changes = {f'name="{name}"': f'name="axis.{name}"', r' stepSize="[^"]*"': ""}
     fmu = edited(stage, tmp_path / "other.fmu", changes)

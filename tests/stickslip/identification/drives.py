@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 
 from campaigns.sound_drives import simulator
+from stickslip.logs import Recording
 
 T_S = 5e-4
 GAINS = {"K_p": 1681.0, "K_i": 137167.0, "tau_f": 5e-4, "T_s": T_S}
@@ -33,6 +34,15 @@ def run(law, v_cmd, feedforward=None, **changes):
     renamed = {"position": "encoder", "commanded": "commanded", "applied": "force", "v": "v"}
     columns = {name: found[column] for name, column in renamed.items()}
     return {"t": np.arange(len(v_cmd)) * values["T_s"], **columns, "v_cmd": v_cmd}
+
+
+def recording(law, v_cmd, noise=0.0, source="log", feedforward=None, **changes):
+    """Return a recording of a run on an even guide, with noise [N] on its force."""
+    values = {"uneven": 0.0, "encoder": STAGE["encoder"], **changes}
+    shown = run(law, v_cmd, feedforward, **values)
+    force = shown["applied"] + noise * np.random.default_rng(0).standard_normal(len(v_cmd))
+    known = {"velocity_command": v_cmd, "encoder_step": values["encoder"], "source": source}
+    return Recording(shown["t"], shown["position"], force, **known)
 
 
 def write_log(path, recorded, force=None):

@@ -24,11 +24,7 @@ def known(changes=None, **levels):
     """Every value with an interval from a tenth of it to ten times it."""
     return {
         name: Identifiability(
-            value,
-            0.1 * value,
-            0.1 * value,
-            10.0 * value,
-            *2 * (levels.get(name, IDENTIFIABLE),),
+            value, 0.1 * value, 0.1 * value, 10.0 * value, *2 * (levels.get(name, IDENTIFIABLE),)
         )
         for name, value in {**LUGRE, **(changes or {})}.items()
     }

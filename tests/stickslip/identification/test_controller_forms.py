@@ -109,14 +109,9 @@ VALUES = {
 def log(request):
     """Return a recording of an independent drive with an added signal, and without its role."""
     added = {f"added_{request.param}": DITHER if request.param == "force" else PULSES}
-    shown = drives.run(
-        "lugre",
-        COMMAND + added.get("added_velocity", 0.0),
-        feedforward=added.get("added_force"),
-        uneven=0.0,
-        encoder=1e-9,
-    )
-    plain = Recording(shown["t"], shown["position"], shown["applied"], velocity_command=COMMAND)
+    v_cmd = COMMAND + added.get("added_velocity", 0.0)
+    found = drives.recording("lugre", v_cmd, feedforward=added.get("added_force"), encoder=1e-9)
+    plain = replace(found, velocity_command=COMMAND)
     return replace(plain, **added), plain
 
 

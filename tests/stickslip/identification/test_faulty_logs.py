@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from campaigns.fault_matrix import DRIVES, Experiment, record
+from campaigns.fault_matrix.cells import check_all, learn_all
+from campaigns.fault_matrix.faults import cases
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.estimation import LearnSettings, Task, learn
@@ -18,7 +20,7 @@ from stickslip.servo.axis import ControlError
 from stickslip.servo.systems import build_fmus
 from stickslip.trial.compensator_trial import loops_of_log
 from tests.kept import further
-from tests.stickslip.identification.drives import GAINS, run
+from tests.stickslip.identification.drives import GAINS, recording
 
 pytestmark = pytest.mark.slow
 
@@ -28,9 +30,7 @@ LOST = Finding("warning", "rows are lost", "2 %", spoils="values")
 @pytest.fixture(scope="module")
 def short():
     command = plan(Limits(duration=8.0))["velocity_command"].to_numpy()
-    log = run("lugre", command, uneven=0.0)
-    signals = {"force": log["applied"], "velocity_command": log["v_cmd"]}
-    return Recording(log["t"], log["position"], **signals, encoder_step=4e-7, source="elsewhere")
+    return recording("lugre", command, source="elsewhere")
 
 
 def test_a_force_out_of_scale_names_the_factor(short, candidates):
@@ -71,15 +71,15 @@ def slow(mass):
 
 @pytest.mark.parametrize(("mass", "spoils"), [(-0.02, ""), (-5.0, "intervals")])
 def test_friction_is_learned_without_a_mass(mass, spoils):
-    recording = slow(mass)
+    log = slow(mass)
     with candidate_fmus("coulomb_stribeck") as fmus:
         settings = LearnSettings(law="coulomb_stribeck")
-        found = learn(Task(fmus, recording, None, settings))
+        found = learn(Task(fmus, log, None, settings))
     [fault] = [one for one in found.faults if "m" in one.hides]
     assert fault.spoils == spoils
     assert found.known["m"].identifiability == NOT_IDENTIFIABLE
     assert found.known["F_c"].value == pytest.approx(F_C, rel=0.1)
-    reading = type("Reading", (), {"recording": recording, "controller": Controller(), "tau_i": 0})
+    reading = type("Reading", (), {"recording": log, "controller": Controller(), "tau_i": 0})
     with pytest.raises(ControlError, match="the mass does not show"):
         loops_of_log(reading, found)
 
@@ -101,9 +101,9 @@ def recorded(name, drift, folder):
 def test_a_change_of_friction_is_found_whatever_the_law(name, drift, candidates, tmp_path):
     """The mean of a friction that falls to 70 % is 85 %."""
     truth = -drift / 0.95 / 0.85
-    recording = recorded(name, drift, tmp_path)
-    with InverseModel(candidates, recording) as model:
-        start = begin(model, recording)
+    log = recorded(name, drift, tmp_path)
+    with InverseModel(candidates, log) as model:
+        start = begin(model, log)
         change, error = change_of_friction(model.over(start.space), start.line)
     assert abs(change - truth) < 3.0 * error < 0.3
 
@@ -116,3 +116,36 @@ def test_no_parameter_is_well_identified_where_friction_changes(
     learned = learn(Task(candidates, recorded("Table 2", drift, tmp_path)))
     assert any("friction changes over" in str(found) for found in learned.faults) == flagged
     assert (learned.known["m"].identifiability == "identifiable") != flagged
+
+
+TOLD = {
+    "none": "silent",
+    "force clipped in the log": "values",
+    "force logged before clipping": "values",
+    "2 % of rows lost": "values",
+    "force filtered at 16 Hz": "values",
+    "one way only": "values",
+    "position in mm read as m": "error",
+    "mm and A read as m and N": "error",
+    "time in ms read as s": "error",
+    "command x 1000": "error",
+    "velocity x 1000": "error",
+    "velocity x 1.3": "values",
+    "force inverted": "error",
+}
+"""What checking a log already says; with these, no compensator is written."""
+
+
+@pytest.mark.thorough
+def test_most_faults_are_found_before_learning():
+    skipped = {("gms", 1, name) for name, fault in cases(list(TOLD)) if not fault.gains}
+    rows = check_all(list(TOLD), skipped, "gms", 1)
+    for row in rows:
+        assert row["outcome"] == TOLD[row["fault"]], row
+    assert len(rows) == len(TOLD) - 1
+
+
+@pytest.mark.thorough
+def test_another_controller_is_not_confident_and_wrong():
+    [row] = learn_all(["cascade given as PI"], (), "dahl", 1)
+    assert row["outcome"] != "confident and wrong", row

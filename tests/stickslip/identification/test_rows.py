@@ -10,7 +10,7 @@ from stickslip.identification.criteria.motion import Scale, scale_of
 from stickslip.identification.fitting.fit import ROUGH, fit
 from stickslip.identification.fitting.start import begin
 from stickslip.logs import Recording
-from tests.stickslip.identification.drives import STAGE, run
+from tests.stickslip.identification.drives import STAGE, recording
 
 T_S = 1e-4
 
@@ -19,9 +19,7 @@ def recorded(step):
     """Return a log of sines and creep of 6 s with this step of the encoder [m], and noisy force."""
     t = np.arange(60_000) * T_S
     v_cmd = 0.012 * np.sin(2.0 * np.pi * (0.4 + 0.15 * t) * t) * np.sin(0.5 * t) + 4e-4
-    log = run("lugre", v_cmd, T_s=T_S, tau_f=T_S, uneven=0.0, encoder=step)
-    force = log["applied"] + 0.5 * np.random.default_rng(0).standard_normal(len(t))
-    return Recording(t, log["position"], force, encoder_step=step)
+    return recording("lugre", v_cmd, noise=0.5, T_s=T_S, tau_f=T_S, encoder=step)
 
 
 def fitted(candidates, recording, q=None):

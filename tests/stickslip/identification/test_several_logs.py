@@ -12,29 +12,19 @@ from stickslip.identification.estimation.agreement import contradictions
 from stickslip.identification.fitting.search import best_fit
 from stickslip.identification.fitting.start import begin
 from stickslip.identification.sliding.log_offsets import with_log_offsets
-from stickslip.logs import Recording
 from stickslip.logs.joined import join
 from stickslip.planning import SET, Limits, plan
 from tests.kept import further
 from tests.stickslip.identification import drives
 
 TRUTH = {"m": 5.557, "b": 6.6135, "F_c": 5.999}
-EVEN = {"uneven": 0.0}
 
 
 def recorded(kind, **changes):
     """Return the log of a kind of motion, of the paper's stage or one that differs."""
     command = plan(Limits(duration=5.0), (), SET[kind])
-    run = drives.run("lugre", command["velocity_command"].to_numpy(), **{**EVEN, **changes})
-    noise = 0.02 * np.random.default_rng(len(kind)).standard_normal(len(run["t"]))
-    return Recording(
-        run["t"],
-        run["position"],
-        run["applied"] + noise,
-        velocity_command=run["v_cmd"],
-        encoder_step=4e-7,
-        source=f"{kind}.csv",
-    )
+    more = {"noise": 0.02, "source": f"{kind}.csv", **changes}
+    return drives.recording("lugre", command["velocity_command"].to_numpy(), **more)
 
 
 def joined(*logs, loads=None, gains=None):

@@ -292,8 +292,7 @@ def test_a_mass_that_is_not_identifiable_may_be_extreme(check_log):
 
 
 @pytest.mark.parametrize(
-    ("change", "name"),
-    [({"m": 1e-2}, "mass"), ({"m": 5e4}, "force"), ({"size": 80.0}, "speed")],
+    ("change", "name"), [({"m": 1e-2}, "mass"), ({"m": 5e4}, "force"), ({"size": 80.0}, "speed")]
 )
 def test_an_unusual_figure_is_asked_about(check_size, change, name):
     status, errors, out = check_size(**change)

@@ -152,11 +152,7 @@ K_i = 3.5
 u_max = 5
 """
 WHOLE = Description(
-    columns={
-        "time": Column("Zeit"),
-        "position": Column(3),
-        "force": Column("Iq", "A", 0.25, -0.1),
-    },
+    columns={"time": Column("Zeit"), "position": Column(3), "force": Column("Iq", "A", 0.25, -0.1)},
     motion="rotary",
     controller="cascade",
     gains={"K_x": "kp", "K_p": 12.0, "K_i": 3.5, "u_max": 5.0},

@@ -72,11 +72,7 @@ def test_a_set_point_alone_is_reported_and_not_taken_for_the_measured_force(tmp_
 
 @pytest.mark.parametrize(
     ("names", "unit"),
-    [
-        ("header.stamp.sec;header.stamp.nanosec", 1e9),
-        ("secs;nsecs", 1e9),
-        ("tv_sec;tv_usec", 1e6),
-    ],
+    [("header.stamp.sec;header.stamp.nanosec", 1e9), ("secs;nsecs", 1e9), ("tv_sec;tv_usec", 1e6)],
 )
 def test_seconds_and_their_rest_are_one_time(names, unit):
     ticks = 1_700_000_000_400_000_000 + np.arange(900) * 1_000_000

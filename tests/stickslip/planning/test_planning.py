@@ -77,8 +77,7 @@ def test_the_standard_plans_use_the_speed_they_may(limits):
 
 
 @pytest.mark.parametrize(
-    ("parameter", "part"),
-    [("sigma_0", "small moves"), ("F_s", "creep"), ("m", "quick ramps")],
+    ("parameter", "part"), [("sigma_0", "small moves"), ("F_s", "creep"), ("m", "quick ramps")]
 )
 def test_what_is_asked_for_gets_more_time(parameter, part):
     def share(show):
@@ -98,16 +97,11 @@ def test_an_arm_crosses_its_whole_travel_where_that_is_asked_for():
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"jerk": 0.0},
-        {"travel": (0.1, 0.2)},
-        {"stroke": 0.0},
-        {"speed": float("nan")},
-        {"duration": 1.0},
-        {"rate": 1e9},
-        {"presliding": (2, 1)},
+        {"jerk": 0.0}, {"travel": (0.1, 0.2)}, {"stroke": 0.0}, {"speed": float("nan")},
+        {"duration": 1.0}, {"rate": 1e9}, {"presliding": (2, 1)},
     ],
     ids=str,
-)
+)  # fmt: skip
 def test_invalid_limits_are_refused(wrong):
     with pytest.raises(UsageError, match=next(iter(wrong))):
         Limits(**wrong)

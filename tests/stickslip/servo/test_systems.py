@@ -29,18 +29,11 @@ def error(result) -> float:
 @pytest.mark.parametrize(
     ("models_", "share"),
     [
-        (["static_feedforward"], 0.6),
-        (["dob"], 0.8),
-        (["coulomb_observer"], 0.6),
-        (["momentum_observer"], 0.8),
-        (["lugre_observer"], 0.4),
-        (["lffc"], 0.9),
-        (["rbf"], 0.95),
-        (["mlp"], 0.95),
-        (["lugre_network"], 0.4),
-        (["static_feedforward", "dob"], 0.6),
+        (["static_feedforward"], 0.6), (["dob"], 0.8), (["coulomb_observer"], 0.6),
+        (["momentum_observer"], 0.8), (["lugre_observer"], 0.4), (["lffc"], 0.9), (["rbf"], 0.95),
+        (["mlp"], 0.95), (["lugre_network"], 0.4), (["static_feedforward", "dob"], 0.6),
     ],
-)
+)  # fmt: skip
 def test_compensators_chain_and_reduce_the_error(fmus, loop, models_, share):
     """The chain's force is the sum of its parts, and the drive follows better than without."""
     without = error(run(build_loop(fmus, loop, [])))

@@ -93,12 +93,8 @@ def test_what_is_replaced_is_told_by_every_command(folder, caplog):
 
 
 FLEET = (
-    "fleet.csv",
-    "fleet.json",
-    "fleet.svg",
-    "drives/b/learned.json",
-    "unfinished/b/learned.json",
-)
+    "fleet.csv", "fleet.json", "fleet.svg", "drives/b/learned.json", "unfinished/b/learned.json",
+)  # fmt: skip
 COMMANDS = {
     "learn": (
         ["learn", "--log", __file__],

@@ -38,31 +38,43 @@ def test_before_any_operation_a_whole_set_is_left(outcomes, how, least):
     assert how != "killed" or outcomes[how]["recovered"] > 0
 
 
-@pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for processes in /proc")
-def test_ctrl_c_leaves_no_process_and_no_folder(log, tmp_path):
-    """With a pool of processes, in the middle of a fleet; only what is kept of it stays."""
-    temporary, out = tmp_path / "tmp", tmp_path / "out"
+in_proc = pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for processes in /proc")
+
+
+def ended(words, number, folder, at_work, *, group=False):
+    """Send a signal to a command at work; return its status and errors. It leaves nothing."""
+    temporary, mark = folder / "tmp", f"signals-{os.getpid()}"
     temporary.mkdir()
-    table = tmp_path / "table.csv"
-    table.write_text(f"name,log\na,none.csv\nb,{log}\n")
-    mark = f"ctrl-c-{os.getpid()}"
-    pool = ["--workers", "2", "--pool", "processes"]
+    there = {"child": lambda: len(_marked(f"MARK={mark}".encode())) > 1}
+    ready = there.get(at_work, lambda: any(temporary.rglob(at_work)))
     with subprocess.Popen(
-        [sys.executable, "-m", "stickslip", "fleet", str(table), *pool, "--out", str(out)],
+        [sys.executable, "-m", "stickslip", *words],
         env=os.environ | {"TMPDIR": str(temporary), "PYTHONPATH": str(ROOT), "MARK": mark},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
     ) as process:
-        while not any(temporary.rglob("*.fmu")) and process.poll() is None:
+        while not ready() and process.poll() is None:
             time.sleep(0.02)
-        os.killpg(process.pid, signal.SIGINT)  # as a terminal does
-        said = process.communicate()[1]
-    assert process.returncode == 130, said
-    assert "interrupted" in said
+        send = os.killpg if group else os.kill
+        send(process.pid, number)
+        said = process.communicate(timeout=60)[1]
     assert not list(temporary.iterdir())
     _assert_gone(mark)
+    return process.returncode, said
+
+
+@in_proc
+def test_ctrl_c_leaves_no_process_and_no_folder(log, tmp_path):
+    """With a pool of processes, in the middle of a fleet; only what is kept of it stays."""
+    table = tmp_path / "table.csv"
+    table.write_text(f"name,log\na,none.csv\nb,{log}\n")
+    pool = ["--workers", "2", "--pool", "processes", "--out", str(tmp_path / "out")]
+    words = ["fleet", str(table), *pool]
+    status, said = ended(words, signal.SIGINT, tmp_path, "*.fmu", group=True)  # as a terminal does
+    assert status == 130, said
+    assert "interrupted" in said
 
 
 COMMANDS = {
@@ -76,37 +88,21 @@ COMMANDS = {
 """Commands, and what there is in the temporary folder, or as a process, when they are at work."""
 
 
-@pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for processes in /proc")
+@in_proc
 @pytest.mark.parametrize(
     ("command", "number"),
     [*((command, signal.SIGTERM) for command in COMMANDS), ("check", signal.SIGHUP)],
 )
 def test_what_ends_a_process_is_one_line_and_leaves_nothing(command, number, tmp_path):
-    temporary, out = tmp_path / "tmp", tmp_path / "out"
-    temporary.mkdir()
     arguments, at_work = COMMANDS[command]
+    out = tmp_path / "out"
     names = {"OUT": str(out)}
     if "FMU" in arguments:
         names["FMU"] = str(models.build_fmu("compensator", tmp_path))
-    mark = f"signals-{os.getpid()}"
-    settings = {"TMPDIR": str(temporary), "PYTHONPATH": str(ROOT), "MARK": mark}
-    with subprocess.Popen(
-        [sys.executable, "-m", "stickslip", *(names.get(word, word) for word in arguments)],
-        env=os.environ | settings,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as process:
-        there = {"child": lambda: len(_marked(f"MARK={mark}".encode())) > 1}
-        ready = there.get(at_work, lambda: any(temporary.glob(at_work)))
-        while not ready() and process.poll() is None:
-            time.sleep(0.02)
-        process.send_signal(number)
-        said = process.communicate(timeout=30)[1]
-    assert (process.returncode, said) == (128 + number, "stickslip: interrupted\n")
-    assert not list(temporary.iterdir())
+    words = [names.get(word, word) for word in arguments]
+    found = ended(words, number, tmp_path, at_work)
+    assert found == (128 + number, "stickslip: interrupted\n")
     assert not out.exists() or not list(out.rglob("*"))
-    _assert_gone(mark)
 
 
 def _assert_gone(mark):

@@ -14,11 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip.commandline import FLAG, add_options, at_least, warn
-from stickslip.commandline.assignments import (
-    add_law_option,
-    add_set_option,
-    drive_changes,
-)
+from stickslip.commandline.assignments import add_law_option, add_set_option, drive_changes
 from stickslip.commandline.execution import (
     add_algorithm_option,
     add_seed_option,

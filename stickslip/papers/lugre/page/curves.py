@@ -22,7 +22,6 @@ from stickslip.presentation.quantity import METRICS, with_error
 
 COMMAND: Any = {"color": style.INK, "lw": 0.8, "ls": style.DASHED}
 
-
 SHOWN = (-0.02, 0.15)  # What is drawn around an instant [s]
 
 
@@ -180,16 +179,8 @@ def draw_inertia(reproduction: Reproduction) -> Figure:
     figure = style.new_figure(style.COLUMN, 65.0)
     axes = figure.add_subplot()
     style.zero_lines(axes, vertical=True)
-    axes.plot(
-        a,
-        force,
-        "o",
-        ms=3.0,
-        mfc="none",
-        mec=style.WITHOUT,
-        mew=0.7,
-        label="measured, friction removed",
-    )
+    look: dict[str, Any] = {"ms": 3.0, "mfc": "none", "mec": style.WITHOUT, "mew": 0.7}
+    axes.plot(a, force, "o", label="measured, friction removed", **look)
     ends = np.array([a.min(), a.max()])
     slope = with_error(inertia.m.value, inertia.m.standard_error)
     axes.plot(ends, inertia.m.value * ends, color=style.WITH, label=rf"slope $m$ = {slope} kg")

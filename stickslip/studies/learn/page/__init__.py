@@ -1,7 +1,5 @@
 """The page on one recording: what was learned, how, how well, and how to use it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
@@ -18,18 +16,8 @@ from stickslip.presentation.page import Section, picture_files, write_page
 from stickslip.presentation.quantity import percentage
 from stickslip.presentation.scale import WORDS, force_scale
 from stickslip.studies.learn import tables
-from stickslip.studies.learn.page.figures import (
-    draw_force,
-    draw_profiles,
-    draw_recording,
-    draw_residual,
-    unresolved,
-)
-from stickslip.studies.learn.page.signals import (
-    measures_friction,
-    simulated_position,
-    steady_name,
-)
+from stickslip.studies.learn.page import figures
+from stickslip.studies.learn.page.signals import measures_friction, simulated_position, steady_name
 from stickslip.thresholds import control_match, harm, offer
 from stickslip.trial.candidates import CompensatorComparison
 
@@ -114,15 +102,15 @@ def sections(
     fit = section(
         "The learned drive against the recording",
         "fit",
-        {"force": draw_force, "residual": draw_residual},
+        {"force": figures.draw_force, "residual": figures.draw_residual},
         steady=steady_name(estimation),
         simulated=simulated_position(estimation) is not None,
     )
     identifiability = section(
         "How well each parameter is identified",
         "identifiability",
-        {"profiles": draw_profiles},
-        unresolved=unresolved(estimation),
+        {"profiles": figures.draw_profiles},
+        unresolved=figures.unresolved(estimation),
     )
     tried = bool(estimation.held_out.predictions)
     return [
@@ -132,7 +120,7 @@ def sections(
         *further,
         *([section("Which friction law explains the log", "laws")] if tried else []),
         criterion,
-        section("The recording", "log", {"recording": draw_recording}, findings=found),
+        section("The recording", "log", {"recording": figures.draw_recording}, findings=found),
         fit,
         identifiability,
         use(estimation, beside, forced=forced),

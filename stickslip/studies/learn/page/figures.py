@@ -1,7 +1,5 @@
 """Figures of what one recording gave: recording, force, residual, and profile likelihoods."""
 
-from __future__ import annotations
-
 import math
 from string import ascii_lowercase
 from textwrap import fill

@@ -1,7 +1,5 @@
 """The signals of an estimation that the figures draw, and the units in which they read best."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -101,10 +99,7 @@ def steady_name(estimation: Estimation) -> str:
 
 
 def steady_friction(estimation: Estimation, v: Array) -> Array:
-    """Return friction (k,) [N] at constant velocities (k,) [m/s], viscous friction with it.
-
-    Source: Equations (4) and (5) of the paper.
-    """
+    """Return friction (k,) [N] at velocities (k,) [m/s]: Equations (4) and (5)."""
     p = estimation.parameters
     b = p["b"] if "b" in estimation.known else 0.0
     return np.asarray(np.sign(v) * level(p, v) + b * v)

@@ -1,7 +1,5 @@
 """The section on tracking without and with the compensator: figure and table."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

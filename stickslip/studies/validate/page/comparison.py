@@ -81,11 +81,7 @@ def draw_comparison(found: LogComparison) -> Figure:
                 look = {"color": colour, "lw": 0.7, "label": name if part[0] == 0 else None}
                 axes[1].plot(*thinned(t, v_scale.factor * one.velocity[name][part]), **look)
                 axes[2].plot(*thinned(t, x_scale.factor * one.position[name][part]), **look)
-        titles = (
-            "Velocity command",
-            f"Velocity error, {kind}",
-            f"{place} error, {kind}",
-        )
+        titles = ("Velocity command", f"Velocity error, {kind}", f"{place} error, {kind}")
         for row, title in enumerate(titles):
             style.name_panel(axes[row], "abcdef"[3 * column + row], title)
         axes[2].set(xlabel="Time [s]", xlim=found.t[[0, -1]])

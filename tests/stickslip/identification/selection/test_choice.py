@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from stickslip.catalog.parameters import friction_law
-from stickslip.identification.selection import Candidate, Prediction, choose
-from stickslip.identification.selection.choice import Cause, along_the_travel, mismatch
+from stickslip.identification.selection.choice import Cause, along_the_travel, choose, mismatch
 from stickslip.identification.selection.folds import Moving
+from stickslip.identification.selection.prediction import Candidate, Prediction
 
 
 def predicted(law, error, *, is_level=False, shown=("F_s",), spread=0.2, seed=0, fails=False):

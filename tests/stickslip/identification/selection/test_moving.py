@@ -7,12 +7,12 @@ import pytest
 
 from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.held_out import blocks, folds, is_less
-from stickslip.identification.selection import prediction, predictions
+from stickslip.identification.selection import prediction
 from stickslip.identification.selection.folds import moving
-from stickslip.logs import Recording
+from stickslip.identification.selection.prediction import predictions
 from stickslip.planning import plan
 from tests.kept import further
-from tests.stickslip.identification.drives import STAGE, run
+from tests.stickslip.identification.drives import STAGE, recording
 
 N, T_S, MEMORY = 8000, 1e-3, 10
 T = T_S * np.arange(N)
@@ -84,14 +84,9 @@ COMMAND = plan()["velocity_command"].to_numpy()[:16_000]
 DAMPING = {"dahl": {"sigma_1": 0.0}}
 
 
-def recording(law, **changes):
-    found = run(law, COMMAND, **{"uneven": 0.0, **changes})
-    return Recording(found["t"], found["position"], found["applied"], encoder_step=4e-7)
-
-
 @pytest.fixture(scope="module", params=("dahl", *further("lugre", "gms")))
 def predicted(request):
-    found = predictions(recording(request.param, **DAMPING.get(request.param, {})))
+    found = predictions(recording(request.param, COMMAND, **DAMPING.get(request.param, {})))
     return request.param, {one.candidate.title: one for one in found}
 
 

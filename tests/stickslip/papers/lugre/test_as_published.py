@@ -15,13 +15,7 @@ from stickslip.evaluation.validation import validate
 from stickslip.identification.stages import Estimate
 from stickslip.papers.lugre import published
 from stickslip.papers.lugre.folder import PUBLISHED_FILES
-from stickslip.papers.lugre.published import (
-    LOGARITHMIC,
-    OURS,
-    SQUARES,
-    START,
-    study_as_published,
-)
+from stickslip.papers.lugre.published import LOGARITHMIC, OURS, SQUARES, START, study_as_published
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.tuning.learning import VelocityCost, coarsened, draw_factors
@@ -125,14 +119,7 @@ def test_all_files_are_there_and_tell_the_seed(folder):
     assert panel["method"].tolist() == ["start", "as_published", "logarithmic", "least_squares"]
 
 
-@pytest.mark.parametrize(
-    "option",
-    [
-        ["--mode", "record"],
-        ["--algorithm", "cma"],
-    ],
-    ids=" ".join,
-)
+@pytest.mark.parametrize("option", [["--mode", "record"], ["--algorithm", "cma"]], ids=" ".join)
 def test_options_that_mean_nothing_to_it_are_refused(option, tmp_path, capsys):
     out = tmp_path / "results"
     assert main(["reproduce", "--as-published", "--out", str(out), *option]) != 0

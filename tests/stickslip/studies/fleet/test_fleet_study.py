@@ -104,10 +104,7 @@ def test_files_of_the_user_survive_a_study_that_fails_and_resumes(drives, tmp_pa
 def test_a_fleet_is_the_same_in_processes_of_dask(log, cluster, tmp_path, capsys):
     table = tmp_path / "table.csv"
     table.write_text(f"name,log\ngood,{log}\nmissing,none.csv\n")
-    where = {
-        "here": ["--workers", "1"],
-        "dask": ["--cluster", cluster],
-    }
+    where = {"here": ["--workers", "1"], "dask": ["--cluster", cluster]}
     for name, options in where.items():
         assert main(["fleet", str(table), "--out", str(tmp_path / name), *options]) == 1
         out, error = capsys.readouterr()
@@ -160,10 +157,7 @@ def test_rows_become_drives_with_paths_beside_the_table(tmp_path):
         ("name,config\na,b\n", "expected columns name and log, got name, config"),
         ("name,log\na,b\n,c\n", "row 3, column name: expected letters.*got nothing"),
         ("name,log\na,b\nA,c\n", "row 3, column name: 'A' is there already"),
-        (
-            "name,log,config\na,,c\n",
-            "row 2, column log: expected the log .*got nothing",
-        ),
+        ("name,log,config\na,,c\n", "row 2, column log: expected the log .*got nothing"),
     ],
 )
 def test_a_bad_table_is_refused_in_one_line(tmp_path, text, message):

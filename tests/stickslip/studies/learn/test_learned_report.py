@@ -24,12 +24,7 @@ from stickslip.presentation.page import Picture
 from stickslip.presentation.quantity import interval, number
 from stickslip.presentation.scale import thinned
 from stickslip.presentation.style import house_style
-from stickslip.studies.learn.page import (
-    FIGURES,
-    sections,
-    use,
-    write_estimation_report,
-)
+from stickslip.studies.learn.page import FIGURES, sections, use, write_estimation_report
 from stickslip.studies.learn.page.tracking import tracking_section, window
 
 pytestmark = pytest.mark.slow

@@ -20,11 +20,10 @@ SHOWN fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String g
     instances++;
     here = callbacks->componentEnvironment != NULL;
     shift = 0.0;
-    if (strcmp(token, "second run differs") == 0) {
+    if (strcmp(token, "second run differs") == 0)
         shift = instances;
-    } else if (!here) {
+    else if (!here)
         shift = strcmp(token, "near") == 0 ? 1e-6 : strcmp(token, "different") == 0 ? 1.0 : 0.0;
-    }
     return token;
 }
 SHOWN fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
@@ -40,18 +39,15 @@ OK(fmi2SetReal, fmi2Component c, const unsigned r[], size_t n, const double v[])
 SHOWN fmi2Status fmi2DoStep(fmi2Component c, double begin, double h, fmi2Boolean last) {
     const int dies = strcmp(token, "died") == 0 ||
                      strcmp(token, here ? "works in FMPy only" : "works here only") == 0;
-    if (dies) {
+    if (dies)
         abort();
-    }
-    while (strcmp(token, "out of time") == 0) {
+    while (strcmp(token, "out of time") == 0)
         sleep(60);
-    }
     t = begin + h;
     return fmi2OK;
 }
 SHOWN fmi2Status fmi2GetReal(fmi2Component c, const unsigned r[], size_t n, double v[]) {
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++)
         v[i] = r[i] == 0 ? t + shift : 0.0;
-    }
     return fmi2OK;
 }

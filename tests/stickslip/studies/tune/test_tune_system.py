@@ -74,10 +74,7 @@ def test_the_command_writes_what_it_found(files, tmp_path, capsys):
         ("[[signal]]\nname = 'a'\nwindow = 3", "expected .lowest, highest"),
         ("[[signal]]\nname = 'a'\nweight = -1.0", "weights of 0 or more"),
         ("[[signal]]\nname = 'a'\nfrom = 0", "no key 'signal.from'"),
-        (
-            "[[signal]]\nname = 'total.y'\nwindow = [5.0, 6.0]",
-            "no sample .* lies in 5 to 6",
-        ),
+        ("[[signal]]\nname = 'total.y'\nwindow = [5.0, 6.0]", "no sample .* lies in 5 to 6"),
     ],
 )
 def test_a_cost_file_that_is_not_valid_is_one_line(files, text, says):

@@ -110,9 +110,7 @@ def test_the_command_prints_the_verdict_and_writes_tables_and_page(learned, log,
     table = pd.read_csv(out / "prediction.csv").set_index("signal")
     assert f"{100.0 * table.relative['force']:8.3g} %" in printed
     spans = pd.read_csv(out / "spans.csv")
-    assert list(spans.columns) == [
-        *("begin", "end", "force_bias", "force_error", "position_error"),
-    ]
+    assert list(spans.columns) == [*("begin", "end", "force_bias", "force_error", "position_error")]
     page = (out / "report.html").read_text(encoding="utf-8")
     assert "The drive of this log differs from the learned one" in page
     shown = re.search('Force, [^<]*</th><td class="word">mN</td><td class="number">([^<]*)', page)
