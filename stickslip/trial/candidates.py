@@ -270,7 +270,7 @@ class _Candidates(ExitStack):
         return found
 
     def _safe(self, benefit: Benefit) -> Benefit:
-        """Return a compensator that harms nowhere in the sweep: later, or with less of its force."""
+        """Return a compensator that harms nowhere in the sweep: later, or with less force."""
         found = benefit
         for changed in (benefit, *self._later(benefit), *self._weaker(benefit)):
             shared = changed.variant.share(self.bench.law, changed.share)
@@ -349,9 +349,7 @@ class _Candidates(ExitStack):
         """Return the row of an observer; none if there is no observer within the limit of Ms."""
         first = behind.benefit if behind and behind.benefit else self.own
         together = behind is not None
-        onsets = list(self._onsets(part)) or [{}]
-        onsets += [{"onset": one} for one in self._larger(onsets[-1].get("onset", 0.0))]
-        for onset in onsets:
+        for onset in self._onsets(part) or ({},):
             designs = (
                 designed.changed(onset) for designed in self._from_best(part, alone=not together)
             )
@@ -361,7 +359,7 @@ class _Candidates(ExitStack):
                 )
             except ControlError:
                 return []
-            if benefit.acceptable and benefit.mean_ratio <= offer.GAIN:
+            if benefit.acceptable:
                 break
         name = f"{behind.name}+{part.name}" if behind else part.name
         if together and first.acceptable:

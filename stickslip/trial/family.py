@@ -46,7 +46,9 @@ MOVES = {MICRO: (4.0, 10.0, 0.01), "short moves": (60.0, 100.0, 0.1)}
 """Lengths of small moves: in presliding deflections of the drive, at least in encoder steps, and at
 most as a share of the travel."""
 PRESLIDING = ("sigma_0", "sigma_1")  # what does not follow the level of friction, in a drawn drive
-SWEEP = ("any small move", "creep at any speed", "any slow small move")
+SLOW_MOVE = "any slow small move"
+SWEEP = ("any small move", "creep at any speed", SLOW_MOVE)
+SLOW = 2.0  # least duration of a slow move, over the rise time of the loop
 SWEPT_MOVES, SWEPT_CREEPS = 12, (0.08, 0.15, 0.3, 0.6, 1.2)
 """Number of moves in the sweep, and its speeds of creep over the Stribeck velocity."""
 LENGTHS = 4  # deflections of drives whose law has none
@@ -165,7 +167,7 @@ def sweep(
     encoder_step: float = 0.0,
     *,
     stiffness: float = math.inf,
-    rise: float = 0.0,  # of the loop [s], in twice which a slow move is done
+    rise: float = 0.0,  # time of the loop [s]
 ) -> tuple[Command, ...]:
     """Return small moves of any length and creep at any speed, with what ``commands`` takes.
 
@@ -181,7 +183,7 @@ def sweep(
     lengths = np.geomspace(shortest, longest, SWEPT_MOVES).tolist()
     found = [
         Command(name, _moves(length, command, T_s, least))
-        for name, least in ((SWEEP[0], 0.0), (SWEEP[2], 2.0 * rise))
+        for name, least in ((SWEEP[0], 0.0), (SLOW_MOVE, SLOW * rise))
         for length in lengths
     ]
     level = [one.parameters for one in drives if one.level == 1.0] or [drives[0].parameters]
