@@ -27,10 +27,11 @@ from stickslip.trial.benefit import (
     bench_of,
     best_of,
     feedforward,
+    is_harmless,
 )
 from stickslip.trial.candidates import CompensatorComparison, Row, compare, law_of, offered
 from stickslip.trial.compensator_trial import soft_rise, unseen
-from stickslip.trial.family import SWEEP, Drive, Evidence, family
+from stickslip.trial.family import SLOW_MOVE, SWEEP, Drive, Evidence, family
 
 AXIS = Axis(80.0, 100.0, 1e-3)
 FRICTION = {"F_s": 80.0, "F_c": 60.0, "v_s": 1e-3, "sigma_0": 4e6, "sigma_1": 8e3, "delta": 1.0}
@@ -91,7 +92,7 @@ def test_the_best_is_chosen_and_robust(compared):
     assert all(row.sensitivity <= offer.SENSITIVITY for row in found.rows)
     assert found.simpler.simplicity < found.chosen.simplicity
     swept = found.chosen.benefit.swept
-    assert len(swept) == 4 * 16  # drives, and moves and creep
+    assert len(swept) == 4 * 28  # drives, and moves and creep
     assert max(row.ratio for row in swept) <= 2.0 - found.chosen.mean
     assert f"{found.simpler.name}, leaves {found.simpler.mean:.3g}" in found.sentence
 
@@ -188,6 +189,36 @@ def test_less_force_or_another_is_written_where_a_small_move_harms(compared, mon
     assert not refused.acceptable
     assert "in any small move" in refused.benefit.refusal
     assert not compared().chosen.benefit.variant.has_feedforward
+
+
+def test_an_observer_acts_later_where_small_moves_harm(compared, monkeypatch):
+    """In the sweep, an onset below three times the first one is made to harm."""
+    first = compared(asked="dob").chosen
+    onset = first.designed.observer.values["onset"]
+    swept = Bench.swept
+
+    def harms(bench, variant, most):
+        if variant.chain[-1].values["onset"] < 3.0 * onset:
+            return (TrialError(0.01, "a drive", 1.0, 2.0, SWEEP[0]),)
+        return swept(bench, variant, most)
+
+    monkeypatch.setattr(Bench, "swept", harms)
+    later = compared(asked="dob").chosen
+    assert later.designed.observer.values["onset"] == pytest.approx(4.0 * onset)
+    assert later.benefit.variant.chain[-1] == later.designed.observer
+    assert later.mean > first.mean
+
+
+def moves(*ratios: float, name: str = SLOW_MOVE, speed: float = 1.0) -> tuple[TrialError, ...]:
+    return tuple(TrialError(speed, f"drive {k}", 1.0, r, name) for k, r in enumerate(ratios))
+
+
+def test_in_a_slow_move_most_drives_decide_and_in_others_each():
+    assert is_harmless(moves(1.2, 1.2, 2.5), 1.1)
+    assert not is_harmless(moves(1.4, 1.4, 1.0), 1.5)
+    assert not is_harmless((*moves(1.4, 1.4), *moves(1.0, 1.0, 1.0, speed=2.0)), 1.5)
+    assert is_harmless(moves(1.2, 1.2, 1.4, name=SWEEP[0]), 1.5)
+    assert not is_harmless(moves(1.0, 1.0, 1.2, name=SWEEP[0]), 1.1)
 
 
 def test_a_rise_along_the_way_lets_no_drive_jump():

@@ -134,18 +134,22 @@ def test_each_drive_creeps_below_its_own_stribeck_velocity():
         assert {bases.count(base) for base in bases if base != "friction as fitted"} <= {3}
 
 
-def test_the_sweep_has_moves_of_all_lengths_and_creep_about_the_stribeck_velocity():
+def test_the_sweep_has_quick_and_slow_moves_of_all_lengths_and_creep_about_v_s():
     stiffer = {**TABLE_2, "sigma_0": 4.0 * TABLE_2["sigma_0"]}
     drives = family(LUGRE, TABLE_2, VALIDATION, Evidence({"lugre": [stiffer]}))
-    tried = sweep(VALIDATION, 5e-4, drives)
-    ways = [5e-4 * np.ptp(np.cumsum(one.v_cmd)) for one in tried[:12]]
+    tried = sweep(VALIDATION, 5e-4, drives, rise=0.1)
     own = deflection(TABLE_2, VALIDATION)
     ends = 4.0 * own / 4.0, min(60.0 * own, 0.1 * travel(VALIDATION))
-    assert ways == pytest.approx(np.geomspace(*ends, 12), rel=1e-2)
-    speeds = [one.speed / TABLE_2["v_s"] for one in tried[12:]]
+    for moves in (tried[:12], tried[12:24]):
+        ways = [5e-4 * np.ptp(np.cumsum(one.v_cmd)) for one in moves]
+        assert ways == pytest.approx(np.geomspace(*ends, 12), rel=1e-2)
+    lasting = [5e-4 * np.max(np.diff(np.flatnonzero(one.v_cmd == 0.0))) for one in tried[:24]]
+    assert lasting[0] < 0.1
+    assert lasting[12:] == pytest.approx([max(one, 0.2) for one in lasting[:12]])
+    speeds = [one.speed / TABLE_2["v_s"] for one in tried[24:]]
     assert speeds == pytest.approx([0.08, 0.15, 0.3, 0.6, 1.2], rel=1e-6)
     level = [replace(one, parameters={**one.parameters, "F_s": 6.0, "F_c": 6.0}) for one in drives]
-    creep = [one.speed / VALIDATION.height for one in sweep(VALIDATION, 5e-4, level)[12:]]
+    creep = [one.speed / VALIDATION.height for one in sweep(VALIDATION, 5e-4, level)[24:]]
     assert creep == pytest.approx([0.001, 0.01])
 
 
