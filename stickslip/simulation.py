@@ -52,6 +52,11 @@ class IdleInputs(UserWarning):
     """Inputs of a run get no signal."""
 
 
+class MissedSamples(UserWarning):
+    """The step of a run does not divide a sample period."""
+
+
+_EQUAL = 1e-6  # relative difference of a sample period and so many steps
 _MOST = 8  # names in a warning
 _STEPS = 500  # of a run for which no step is proposed
 
@@ -151,9 +156,30 @@ class Model:
         step = self.step(start, stop) if step is None else step
         record = self.record(record)
         try:
-            return self.system.prepare(start=start, stop=stop, step=step, record=record, **options)
+            found = self.system.prepare(start=start, stop=stop, step=step, record=record, **options)
         except cosim.ExperimentError as fault:
             raise UsageError(f"{self.path}: {fault}") from fault
+        self._warn_of_step(step, getattr(found.spec.coupling, "every", {}))
+        return found
+
+    def _warn_of_step(self, step: float, every: Mapping[str, int]) -> None:
+        """Warn of parameters ``T_s`` in s, sample periods, that are not so many whole steps."""
+        for name, component in self.system.components.items():
+            period = component.variables.get("T_s")
+            if period is None or period.causality != "parameter" or period.unit != "s":
+                continue
+            key, own = f"{name}.{period.name}", step * every.get(name, 1)
+            steps = self.start(key) / own
+            if not steps or abs(steps - round(steps)) <= _EQUAL * steps:
+                continue
+            shorter = own * steps / math.ceil(steps)
+            warnings.warn(
+                f"the step of {name}, {own:.6g} s, is no divisor of its sample period {key} = "
+                f"{own * steps:.6g} s, so that it samples late or not at all; choose "
+                f"{shorter:.6g} s",
+                MissedSamples,
+                stacklevel=6,
+            )
 
     def step(self, start: float, stop: float) -> float:
         """Return the step of a run from a start to a stop time [s].
@@ -170,33 +196,42 @@ class Model:
             return duration / _STEPS
         return duration / math.ceil(duration / least * (1.0 - 1e-9))
 
-    def idle_inputs(self, inputs: Iterable[str]) -> dict[str, tuple[Any, str]]:
-        """Return start value and unit of inputs that have neither signal, source nor set value."""
+    def _idle_inputs(self, inputs: Iterable[str]) -> dict[str, bool]:
+        """Return inputs without signal, source and set value, with their start values.
+
+        True are those that are exposed, and all of a component of which none is driven.
+        """
+        found: dict[str, bool] = {}
         system, sources, driven = self.system, self.system.sources(), {*inputs}
-        found = {}
         for name, component in system.components.items():
+            live, idle = False, dict[str, bool]()
             for variable in component.variables.values():
-                key = f"{name}.{variable.name}"
-                if variable.causality != "input" or key in system.parameters:
+                if variable.causality != "input":
                     continue
-                for element in system.variable(key).elements():
+                for element in system.variable(f"{name}.{variable.name}").elements():
                     one = f"{name}.{element.name}"
                     source = sources.get(one)
-                    live = source in driven if source in system.inputs else source is not None
-                    if not live and one not in system.parameters:
-                        found[source or one] = (element.start, system.unit(one) or "")
+                    if {one, f"{name}.{variable.name}"} & system.parameters.keys() or (
+                        source in driven if source in system.inputs else source is not None
+                    ):
+                        live = True
+                    else:
+                        text = f"{source or one} = {element.start!s} {system.unit(one) or ''}"
+                        idle[text.rstrip()] = source is not None
+            found |= {text: exposed or not live for text, exposed in idle.items()}
         return found
 
     def warn_of_idle(self, inputs: Iterable[str], *, components: bool = False) -> None:
-        """Warn of exposed inputs, and of ``components``, that nothing drives."""
-        found = {
-            name: start
-            for name, start in self.idle_inputs(inputs).items()
-            if components or name in self.system.inputs
-        }
-        if found:
-            shown = [f"{n} = {value} {unit}".rstrip() for n, (value, unit) in found.items()]
-            names = ", ".join(shown[:_MOST]) + (", ..." if len(found) > _MOST else "")
+        """Warn of inputs that nothing drives: exposed ones, the only ones of a component, or all.
+
+        Those others, which are given with ``components``, are often optional.
+        """
+        idle = self._idle_inputs(inputs)
+        shown = [text for text in idle if idle[text]]
+        if components:
+            shown += [text for text in idle if not idle[text]]
+        if shown:
+            names = ", ".join(shown[:_MOST]) + (", ..." if len(shown) > _MOST else "")
             warnings.warn(
                 f"inputs that stay at their start values: {names};"
                 + with_settings(" give them signals by <input>, or constants by <set>"),
@@ -249,9 +284,9 @@ class Model:
                     )
 
     def set(self, name: str, value: object) -> None:
-        """Give a variable a start value, or the one that an exposed input is connected to."""
-        target, *others = self.system.inputs.get(name, (self.qualified(name),))
-        self.system.set(name if others else target, value)
+        """Give a variable a start value, or all that an exposed input is connected to."""
+        for target in self.system.inputs.get(name) or (self.qualified(name),):
+            self.system.set(target, value)
 
     def start(self, name: str) -> float:
         """Return what a variable starts with; raise UsageError where that is no number."""
@@ -279,6 +314,11 @@ class Model:
         """Return the input that a column names: itself, or the only variable that it drives."""
         if column in self.system.inputs:
             return column
+        if (bare := column.partition(" [")[0]) != column and bare in self.system.inputs:
+            raise UsageError(
+                f"{self.path}: the column {column!r} has a unit; call it {bare!r}, with values in "
+                f"{self.system.unit(bare) or 'the unit of that input'}"
+            )
         target = (self.qualified(column),)
         alone = (name for name, targets in self.system.inputs.items() if targets == target)
         if found := next(alone, None):

@@ -80,7 +80,7 @@ def check(root: Any, part: str) -> None:
     if version not in VERSIONS:
         raise SspError(f"{place(root)}: version is {shown(version)}, expected '1.0' or '2.0'")
     if fault := violation(root, part, version):
-        newer = version == "1.0" and not violation(root, part, "2.0")
+        newer = version == "1.0" and _schema(part, "2.0") and not violation(root, part, "2.0")
         hint = "; SSP 2.0 allows this: set version='2.0'" if newer else ""
         text = printable(short(fault[1]), 400).rstrip(".")
         raise SspError(f"{_file_name(root)}, line {fault[0]}: {text}{hint}")

@@ -11,8 +11,8 @@ import io
 import json
 import sys
 import warnings
-from collections.abc import Mapping
-from contextlib import ExitStack
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -153,18 +153,24 @@ def _simulate(options: argparse.Namespace) -> Answer:
     model = Model.open(options.file, options.variant)
     given = cosim.read_tables(options.input, options.hold) if options.input else None
     inputs = model.signals(given)
+    if options.input and not inputs:
+        names = ", ".join(model.system.inputs) or "none"
+        raise UsageError(
+            f"{options.input}: expected a column for an exposed input ({names}) beside 'time'"
+        )
     starts = split_assignments(options.set)
     model.require_free(starts, inputs)
     for name, value in starts.items():
         model.set(name, value)
-    prepared = model.prepare(
-        stop=options.stop,
-        step=options.step,
-        record=model.record(options.record, options.every, _kept(options)),
-        tolerance=options.tolerance,
-        allow_nan=options.allow_nan,
-        isolation=isolation_of(options),
-    )
+    with _shown_warnings():
+        prepared = model.prepare(
+            stop=options.stop,
+            step=options.step,
+            record=model.record(options.record, options.every, _kept(options)),
+            tolerance=options.tolerance,
+            allow_nan=options.allow_nan,
+            isolation=isolation_of(options),
+        )
     with prepared as simulation:
         writer = WRITERS.get(options.out.suffix) if options.out else None
         how = {"inputs": inputs, "until": options.until}
@@ -209,15 +215,22 @@ def _kept(options: argparse.Namespace) -> str:
     return "range" if needed == (None, None, None, None) else "all"
 
 
+@contextmanager
+def _shown_warnings() -> Iterator[None]:
+    """Show the warnings of the Python API as those of a command."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        yield
+    for one in caught:
+        warn(str(one.message))
+
+
 def _warn(
     options: argparse.Namespace, model: Model, inputs: Mapping[str, object], step: float
 ) -> None:
     """Warn of inputs without values, and name what was chosen where nothing was proposed."""
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
+    with _shown_warnings():
         model.warn_of_idle(inputs, components=True)
-    for one in caught:
-        warn(str(one.message))
     if not options.record and not model.has_outputs:
         warn(f"{options.file}: there are no outputs; local variables are recorded")
     if options.step is None and model.experiment.step is None:

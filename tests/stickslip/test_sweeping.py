@@ -9,7 +9,7 @@ import pytest
 
 import stickslip as ss
 from stickslip.ga.execution.evaluation import DIED
-from stickslip.simulation import IdleInputs
+from stickslip.simulation import IdleInputs, MissedSamples
 from tests.cosim.single import one
 
 M, B, PUSH, STOP = 5.557, 6.6135, 12.0, 0.5
@@ -148,6 +148,45 @@ def test_a_run_warns_of_inputs_that_nothing_drives(stage):
         warnings.simplefilter("error")
         ss.simulate(stage, stop=0.1, step=1e-3, inputs={"u": 1.0})
         ss.simulate(stage, stop=0.1, step=1e-3, parameters={"u": 1.0})
+
+
+@pytest.fixture
+def two(stage):
+    """A stage behind a controller of 0.5 ms."""
+    system = ss.System("two")
+    system.add("stage", stage)
+    system.add("c", ss.build_fmu("velocity_controller", stage.parent))
+    system.expose("v_cmd", "c.v_cmd", "c.v_hat")
+    return system
+
+
+def test_a_run_warns_of_a_component_that_nothing_drives(two):
+    """An optional input of a controller that something else drives is no reason to warn."""
+    with pytest.warns(IdleInputs, match=r"^inputs .*values: stage\.u = 0\S* N;"):
+        ss.simulate(two, stop=0.1, step=5e-4, inputs={"v_cmd": 0.1})
+
+
+@pytest.mark.parametrize(
+    ("step", "better"), [(5e-4, ""), (2.5e-4, ""), (4e-4, "0.00025"), (0.02, "0.0005")]
+)
+def test_a_run_warns_of_a_step_that_divides_no_sample_period(two, step, better):
+    two.connect("c.u", "stage.u")
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", MissedSamples)
+        ss.simulate(two, stop=0.1, step=step, inputs={"v_cmd": 0.1})
+    late = f"period c.T_s = 0.0005 s, so that it samples late or not at all; choose {better} s"
+    assert [str(one.message)[-len(late) :] for one in caught] == [late] * bool(better)
+
+
+def test_a_constant_of_an_exposed_input_reaches_all_its_targets(two):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", IdleInputs)
+        by = {
+            how: ss.simulate(two, stop=0.1, step=5e-4, record=["c.u"], **{how: {"v_cmd": 0.1}})
+            for how in ("parameters", "inputs")
+        }
+    np.testing.assert_array_equal(by["parameters"]["c.u"], by["inputs"]["c.u"])
+    assert by["inputs"]["c.u"][-1] != 0.0
 
 
 def test_a_start_value_that_something_overrules_is_refused(stage):

@@ -98,6 +98,17 @@ def test_an_invalid_option_is_named(stage, arguments, says, capsys):
     assert re.search(says, line)
 
 
+@pytest.mark.parametrize(
+    ("column", "says"),
+    [("", "a column for an exposed input (u) beside 'time'"), (",u [mN]", "'u', with values in N")],
+)
+def test_a_table_without_a_signal_is_refused(stage, column, says, tmp_path, capsys):
+    table = tmp_path / "table.csv"
+    table.write_text(f"time{column}\n" + "".join(f"{t}{',1' * bool(column)}\n" for t in (0, 1)))
+    assert simulate(stage, "--input", table) == 1
+    assert capsys.readouterr().err.endswith(f"{says}\n")
+
+
 def test_a_state_is_not_saved_into_a_folder(stage, tmp_path, capsys):
     (tmp_path / "a.state").mkdir()
     assert simulate(stage, "--until", "0.01", "--save", tmp_path / "a.state") == 1
