@@ -38,6 +38,8 @@ _FIELDS = {
     "gain": "gains",
     "law": "Friction law",
     "compensator": "Compensator",
+    "input": "Input signals",
+    "set": "Inputs and parameters",
 }
 """What is called on the page of the workbench otherwise."""
 

@@ -50,7 +50,7 @@ def thinned(values: np.ndarray, most: int = MOST) -> np.ndarray:
         for begin, end in pairwise(edges)
         for place in sorted({int(np.argmin(values[begin:end])), int(np.argmax(values[begin:end]))})
     ]
-    return np.array(ends)
+    return np.array(sorted({*ends, n - 1}))
 
 
 def signals(of: Mapping[str, Any], before: Any = None) -> Options:

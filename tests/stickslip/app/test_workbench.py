@@ -10,6 +10,7 @@ import zipfile
 
 import pytest
 
+import stickslip as ss
 from stickslip.app.workbench import Workbench
 from stickslip.models import build_fmu
 
@@ -125,6 +126,39 @@ def test_a_slider_moves_the_result(server, browser):
     page.locator(".q-slider").first.click(position={"x": 200, "y": 8})
     page.wait_for_timeout(1500)
     assert page.locator("canvas").first.screenshot() != before
+
+
+def test_an_exposed_input_gets_a_constant_or_a_signal(server, browser):
+    _, address, folder = server
+    system = ss.System("loop")
+    system.add("c", build_fmu("velocity_controller", folder))
+    system.add("stage", folder / "stage.fmu")
+    system.expose("v_cmd", "c.v_cmd", "c.v_hat")
+    system.connect("c.u", "stage.u")
+    times = ss.cosim.DefaultExperiment(stop=0.1, step=5e-4)
+    ss.cosim.write_ssp(system, folder / "loop.ssp", times)
+    (folder / "command.csv").write_text("time,v_cmd\n0,0\n0.1,0.25\n", encoding="utf-8")
+
+    page = opened(browser, address)
+    page.get_by_role("tab", name="Simulate").click()
+    choose(page, "FMU or SSP", "loop.ssp")
+    page.get_by_text("v_cmd [m/s]").nth(1).wait_for()  # of the slider, and of the first chart
+    for title in ("c.u [N]", "stage.x [m]"):
+        page.get_by_text(title, exact=True).wait_for()
+    idle = page.get_by_text(re.compile("v_cmd = 0.0 m/s.* signals by the field 'Input signals'"))
+    idle.wait_for()
+    at_rest = page.locator("canvas").nth(1).screenshot()
+    page.locator("input[type=number]").nth(2).fill("0.05")
+    idle.wait_for(state="detached")
+    page.wait_for_timeout(1000)
+    constant = page.locator("canvas").nth(1).screenshot()
+    assert constant != at_rest
+    choose(page, "Input signals", "command.csv")
+    page.get_by_text("v_cmd: by the input signals").wait_for()
+    page.wait_for_timeout(1000)
+    assert page.locator("canvas").nth(1).screenshot() != constant
+    page.get_by_label("step [s]").fill("0.0004")
+    page.get_by_text("samples late or not at all; choose 0.00025 s").wait_for()
 
 
 def test_requests_without_the_token_or_from_another_page_are_refused(server):
