@@ -61,28 +61,38 @@ def saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
         force = getattr(recording, name)
         if force is None:
             continue
-        marked, step = np.zeros(len(force), dtype=bool), step_of(force)
-        for sign in (1.0, -1.0):
-            one = sign * force
-            most = float(np.quantile(one, 0.999))
-            level = log_force.AT_STATED * limit if limit else (1.0 - log_force.AT_LIMIT) * most
-            if level > 0.0:
-                demand = _demand(recording, name, sign, one < level, level=level)
-                least = log_force.DEMANDED * level + step
-                for begin, end in runs(one >= level):
-                    part = slice(begin, end)
-                    more = _more(demand, part, level) > least if demand else bool(limit)
-                    marked[part] |= more and end - begin >= log_force.PLATEAU
-        most, share = float(np.max(np.abs(force))), float(np.mean(marked))
-        if share > (0.0 if limit else log_force.SELDOM):
-            advice = "there it does not follow its command; log a gentler motion"
-            what = f"{name} saturates at {float(np.max(np.abs(force[marked]))):.4g}"
-            yield Finding("warning", what, f"{share:.2%}", advice, spoils="intervals")
+        most = float(np.max(np.abs(force)))
+        for at in dict.fromkeys((limit, None)):  # the limit may be lower than stated
+            marked = _held_back(recording, name, force, at)
+            if (share := float(np.mean(marked))) > (0.0 if at else log_force.SELDOM):
+                advice = "there it does not follow its command; log a gentler motion"
+                what = f"{name} saturates at {float(np.max(np.abs(force[marked]))):.4g}"
+                yield Finding("warning", what, f"{share:.2%}", advice, spoils="intervals")
+                break
         if limit and most > log_force.EXCEEDED * limit:
             figure = f"{most:.4g} against {limit:.4g}"
             advice = "check unit and scale, and that it was logged behind the limit"
             what = f"{name} exceeds the force limit"
             yield Finding("warning", what, figure, advice, spoils="values")
+
+
+def _held_back(
+    recording: Recording, name: str, force: Array, limit: float | None
+) -> NDArray[np.bool_]:
+    """Return where (n,) a force is at a limit [N], or at its extreme, and more is due."""
+    marked, step = np.zeros(len(force), dtype=bool), step_of(force)
+    for sign in (1.0, -1.0):
+        one = sign * force
+        most = float(np.quantile(one, 0.999))
+        level = log_force.AT_STATED * limit if limit else (1.0 - log_force.AT_LIMIT) * most
+        if level > 0.0:
+            demand = _demand(recording, name, sign, one < level, level=level)
+            least = log_force.DEMANDED * level + step
+            for begin, end in runs(one >= level):
+                part = slice(begin, end)
+                more = _more(demand, part, level) > least if demand else bool(limit)
+                marked[part] |= more and end - begin >= log_force.PLATEAU
+    return marked
 
 
 def _more(demand: tuple[Array, bool], samples: slice, level: float) -> float:

@@ -170,8 +170,8 @@ def run(force=None, b=0.0, limits=(-math.inf, math.inf)) -> Recording:
     return Recording(T, found["encoder"], found["force"], **command, encoder_step=1e-7)
 
 
-def said(recording) -> str:
-    found = check_recording(recording)
+def said(recording, **stated) -> str:
+    found = check_recording(recording, **stated)
     return "\n".join(str(one) for one in found if "saturates" in one.what or "cut off" in one.what)
 
 
@@ -199,8 +199,10 @@ def test_a_limit_is_found_where_the_error_of_the_motion_grows(limits):
     log = run(limits=limits)
     for size in (0.0, 0.03):
         noise = size * np.random.default_rng(0).standard_normal(N)
-        found = said(replace(log, force=log.force + noise))
+        noisy = replace(log, force=log.force + noise)
+        found = said(noisy)
         assert float(found.split("saturates at ")[1].split(":")[0]) == pytest.approx(7.5, rel=0.02)
+        assert found == said(noisy, force_limit=60.0)  # the limit is lower than stated
 
 
 def test_a_limit_is_found_where_the_force_command_is_larger():
