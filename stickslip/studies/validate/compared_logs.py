@@ -61,7 +61,7 @@ class LogComparison:
     measured: TrackingComparison  # in the logs
     # of the learned drive along the same command; None where the loop is not known
     simulated: TrackingComparison | None = None
-    fault: str = ""  # why that loop could not be simulated, or empty
+    fault: str = ""  # why that loop could not be simulated, or not with all, or empty
 
     @property
     def parts(self) -> int:

@@ -110,4 +110,5 @@ def compare_logs(compensated: LogInLoop, without: LogInLoop, learned: LearnedFil
     prediction = compared(
         simulated[NONE], simulated[FEEDFORWARD], samples, samples, part=found.part
     )
-    return replace(found, simulated=prediction)
+    alone = "simulated is the feedforward alone, without the observer that the file also has"
+    return replace(found, simulated=prediction, fault=alone * ("observer" in learned.document))

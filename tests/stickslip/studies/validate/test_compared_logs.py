@@ -14,7 +14,7 @@ from stickslip.evaluation.tracking import FEEDFORWARD, NONE
 from stickslip.learned.file import LearnedFile
 from stickslip.logs import Column, Description, Recording
 from stickslip.logs.same_command import Overlap, period, same_command
-from stickslip.studies.validate.compared_logs import common, compare
+from stickslip.studies.validate.compared_logs import common, compare, sentences
 from stickslip.studies.validate.log_validation import compare_logs, read_log
 
 T_S = 1e-3
@@ -133,6 +133,9 @@ def test_the_simulation_predicts_what_the_compensator_brought(logs):
         assert one.value > 0.5
         assert found.simulated.reductions[key].value == pytest.approx(one.value, abs=0.05)
     assert [type(run) for run in found.stretches] == [Overlap]
+    assert not found.fault
+    learned.document["observer"] = {}
+    assert sentences(compare_logs(*read, learned))[-1].endswith("observer that the file also has")
 
 
 def test_the_command_labels_measured_and_simulated(logs, tmp_path, capsys):
