@@ -66,9 +66,10 @@ class LogTable:
             try:
                 value *= self.scalars[name] if name in self.scalars else float(name)
             except ValueError:
+                hint = suggestion(name, self.scalars) if self.scalars else ""
                 raise UsageError(
-                    f"{what} = {product}: '{name}' is not a number and not a scalar of the file"
-                    f"{suggestion(name, self.scalars)}"
+                    f"{what} = {product}: expected a number in SI units, or a scalar of the file, "
+                    f"got '{name}'{hint}"
                 ) from None
         if not math.isfinite(value):
             raise UsageError(f"{what} = {product}: expected a finite number, got {value}")
