@@ -1,5 +1,7 @@
 """Motion of a rigid drive from its log, and how much later one signal shows than another."""
 
+from __future__ import annotations  # scipy.interpolate is large, and loaded where it is used
+
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

@@ -185,7 +185,7 @@ def alone(told):
 
 def watched(candidates, recording):
     """Learn; return with it the fit, what the stand-in makes of it, and whether that is alike."""
-    module, seen = import_module("stickslip.identification.estimation.learn"), []
+    module, seen = import_module("stickslip.identification.fitting.bootstrap"), []
     correct = module.correct_inverse
 
     def spy(inverse, found, *others):
