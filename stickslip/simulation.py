@@ -169,8 +169,9 @@ class Model:
             if period is None or period.causality != "parameter" or period.unit != "s":
                 continue
             key, own = f"{name}.{period.name}", step * every.get(name, 1)
-            steps = self.start(key) / own
-            if not steps or abs(steps - round(steps)) <= _EQUAL * steps:
+            value = self.system.parameters.get(key, period.start)
+            steps = value / own if isinstance(value, float) else 0.0
+            if steps <= 0.0 or abs(steps - round(steps)) <= _EQUAL * steps:
                 continue
             shorter = own * steps / math.ceil(steps)
             warnings.warn(

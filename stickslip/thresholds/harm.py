@@ -14,7 +14,9 @@ SCATTER = Threshold(
     1.3, "decision 140: at 1.15 a feedforward that leaves 0.54 was refused for 1.17 and 1.23"
 )
 """The largest ratio on any drive; single runs stick and slip by chance."""
-SLOWLY = Threshold(1.3, "decision 157: 1.76 and 2.16 where a true drive was worse, 1.09 on others")
+SLOWLY = Threshold(
+    1.3, "decision 157: 1.76 and 2.16 on two drives that were worse, 1.40 at most on sound ones"
+)
 """Largest ratio on the median of the drives in a small move as slow as the loop."""
 FALLS = Threshold(0.7, "docs/adaptation.md: friction drifts by up to 30 % with temperature")
 """Least friction that the drive may come to have, over that in the log, unless a range is given."""
