@@ -6,6 +6,7 @@ import pytest
 from fmpy.ssp.ssd import read_ssd
 
 from stickslip import cosim
+from stickslip.cosim.ssp import markup
 from stickslip.cosim.system.scaling import Link, Scaling
 from tests.corpus.fmu import archive
 from tests.corpus.hostile.packages import (
@@ -291,3 +292,14 @@ def test_versions_turn_into_each_other_where_they_can(pack, tmp_path):
     read_ssd(str(old))
     new = cosim.write_ssp(cosim.read_ssp(old)[0], tmp_path / "new.ssp", version="2.0")
     assert 'version="2.0"' in members(new)[STRUCTURE].decode()
+
+
+def test_without_the_schema_of_2_nothing_is_said_to_be_allowed_there(pack, monkeypatch):
+    ends = f"<ssd:Connectors>{connector('u', 'input', '<ssc:Float64/>')}</ssd:Connectors>"
+    file = pack(one(component("a", ends, fmu="gain")))
+    old = markup._schema
+    for known in (True, False):
+        with pytest.raises(cosim.SspError) as caught:
+            cosim.read_ssp(file)
+        assert ("set version='2.0'" in str(caught.value)) == known
+        monkeypatch.setattr(markup, "_schema", lambda part, v: old(part, v) if v == "1.0" else None)
