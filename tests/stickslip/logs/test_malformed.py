@@ -66,8 +66,14 @@ DESCRIPTIONS = {
     "column twice": ({"columns": {"position": Column("x"), "force": Column("x")}}, "cannot be"),
     "unit": ({"columns": {"position": Column("x", "parsec")}}, "unit 'parsec' of position"),
     "motion": ({"motion": "linear", "columns": {"position": Column("x", "deg")}}, "Column(scale="),
-    "scalar": ({"columns": {"force": Column("F", "V", "gtau")}}, "'gtau' is not a number"),
-    "no product": ({"columns": {"force": Column("F", "V", "2+3")}}, "'2+3' is not a number"),
+    "scalar": (
+        {"columns": {"force": Column("F", "V", "gtau")}},
+        "in SI units, or a scalar of the file, got 'gtau'",
+    ),
+    "no product": (
+        {"columns": {"force": Column("F", "V", "2+3")}},
+        "in SI units, or a scalar of the file, got '2+3'",
+    ),
     "scale 0": ({"columns": {"force": Column("F", scale=0)}}, "other than 0"),
     "span": ({"span": (5.0, 6.0)}, "no samples there; the log has 0 to 0.099 s"),
     "step": ({"encoder_step": -1.0}, "encoder_step = -1"),
