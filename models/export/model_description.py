@@ -119,9 +119,10 @@ def _add_interfaces(root: ET.Element, model: Model, fmi: FmiVersion) -> None:
             root.set("numberOfEventIndicators", str(indicators))
         child(root, "ModelExchange", **capabilities, **integrated)
     child(root, "CoSimulation", **capabilities, canHandleVariableCommunicationStepSize=True)
-    for interface in root if fmi == 2 else ():
+    names = compiled([*c_files(model, 2), START]) if fmi == 2 else []
+    for interface in root if names else ():
         listed = child(interface, "SourceFiles")
-        for path in compiled([*c_files(model, 2), START]):
+        for path in names:
             child(listed, "File", name=path)
 
 

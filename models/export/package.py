@@ -3,6 +3,7 @@
 import hashlib
 import re
 import zipfile
+import zlib
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cache
@@ -169,9 +170,10 @@ def pack_fmu(
     terminals: bool = True,
 ) -> Path:
     """Write an FMU of any model, as ``build_fmu``, with its reference and return its path."""
-    token = _token(model, fmi)
+    own = sources.c_files(model, fmi)
+    token = _token(model, fmi, own)
     values = [float(variable.start) for variable in model.variables]
-    files = sources.c_files(model, fmi) | {sources.START: sources.start_source(token, values)}
+    files = own | {sources.START: sources.start_source(token, values)}
     texts = {
         "modelDescription.xml": model_description(model, token, fmi),
         "documentation/index.html": presentation.index(model, _ICON[fmi]),
@@ -205,20 +207,26 @@ def pack_fmu(
 def model_of(fmu: Path) -> Model | None:
     """Return the model that an FMU was made of, without its start values; None for no such one.
 
-    Its sources tell: they are those of the model.
+    Its sources tell: sizes and checksums are those of the model's.
     """
     with zipfile.ZipFile(fmu) as file:
-        own = {path: file.read(path) for path in file.namelist() if path.startswith("sources")}
+        members = [one for one in file.infolist() if one.filename.startswith("sources")]
+    own = {one.filename: (one.file_size, one.CRC) for one in members}
     names = [match[1] for path in own if (match := re.match(r"sources/laws/(\w+)/law\.c", path))]
     for name, folder in _folders().items():
-        if own.get("sources/model.c") != (folder / "model.c").read_bytes():
+        if own.get("sources/model.c") != _sum((folder / "model.c").read_bytes()):
             continue
         model = load_model(name, names[0] if names else None)
         for version in get_args(sources.FmiVersion):
             files = sources.c_files(model, version).items()
-            if all(own.get(f"sources/{path}") == content.encode() for path, content in files):
+            if all(own.get(f"sources/{path}") == _sum(content.encode()) for path, content in files):
                 return model
     return None
+
+
+def _sum(data: bytes) -> tuple[int, int]:
+    """Return size and checksum, as the directory of an archive has them."""
+    return len(data), zlib.crc32(data)
 
 
 def blank_library(model: Model, fmi: sources.FmiVersion, platform: toolchain.Platform) -> Path:
@@ -237,9 +245,9 @@ def blank_library(model: Model, fmi: sources.FmiVersion, platform: toolchain.Pla
     )
 
 
-def _token(model: Model, fmi: sources.FmiVersion) -> str:
+def _token(model: Model, fmi: sources.FmiVersion, files: Mapping[str, str]) -> str:
     """Return the hash of sources and description: the same sources, the same FMU."""
     digest = hashlib.sha256(model_description(model, "", fmi).encode())
-    for path, content in sorted(sources.c_files(model, fmi).items()):
+    for path, content in sorted(files.items()):
         digest.update(f"\0{path}\0{content}".encode())
     return digest.hexdigest()[:32]

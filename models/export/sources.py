@@ -166,9 +166,9 @@ def _phases(v: Variable) -> str:
     return before if v.role in ("state", "parameter") else "0"
 
 
-def _place(path: Path) -> str:
+def _place(path: Path, places: Iterable[Path]) -> str:
     """Return the path of a C file in the source tree of an FMU."""
-    root = next(root for root in roots() if path.is_relative_to(root))
+    root = next(root for root in places if path.is_relative_to(root))
     return path.relative_to(root).as_posix()
 
 
@@ -193,8 +193,9 @@ def c_files(model: Model, fmi: FmiVersion) -> dict[str, str]:
         for path in sorted(folder.glob("*.[ch]"))
         if not path.name.startswith(f"fmi{5 - fmi}")  # the other standard
     }
+    places = roots()
     return files | {
-        **{_place(path): text(path) for path in shared_files(model)},
+        **{_place(path, places): text(path) for path in shared_files(model)},
         **{path.name: text(path) for path in sorted(model.folder.glob("*.[ch]"))},
         "variables.h": variables_header(model),
         "table.h": table_header(model),
