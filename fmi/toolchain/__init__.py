@@ -5,6 +5,7 @@ It knows C files and platforms. What came with the package needs no compiler.
 
 from stickslip.fmi.toolchain.binaries import binaries, patched, standard_functions
 from stickslip.fmi.toolchain.compiler import compiled_here, compiler_version, shared_library
+from stickslip.fmi.toolchain.keeping import kept
 from stickslip.fmi.toolchain.platforms import (
     CACHE_ADVICE,
     PLATFORMS,
@@ -34,6 +35,7 @@ __all__ = [
     "compiled_here",
     "compiler_version",
     "host_platform",
+    "kept",
     "patched",
     "shared_library",
     "standard_functions",

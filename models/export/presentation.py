@@ -5,11 +5,13 @@ import html
 import io
 from collections.abc import Sequence
 from functools import cache
+from importlib.metadata import version
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
 
+from stickslip.fmi import toolchain
 from stickslip.fmi.description import writing
 from stickslip.models.errors import UnknownLaw
 from stickslip.models.export.description import Model
@@ -62,6 +64,11 @@ def svg(lines: Sequence[Line]) -> str:
 @cache
 def png(lines: tuple[Line, ...]) -> bytes:
     """Return the icon as PNG, 128 by 128, with alpha."""
+    parts = repr(lines), text(Path(__file__)), version("matplotlib")
+    return toolchain.kept("icons", parts, lambda: _drawn(lines))
+
+
+def _drawn(lines: tuple[Line, ...]) -> bytes:
     # In the default style, so that the bytes depend on the version of Matplotlib only.
     from matplotlib import style
     from matplotlib.backends.backend_agg import FigureCanvasAgg

@@ -6,8 +6,9 @@ from pathlib import Path
 
 from stickslip.fmi import toolchain
 from stickslip.models.export.description import Model
-from stickslip.models.export.sources import text
-from stickslip.models.lanes.translation import translated
+from stickslip.models.export.sources import c_files, text
+from stickslip.models.firmware import c99, program
+from stickslip.models.lanes import translation
 
 _HERE = Path(__file__).parent
 # Any processor, AVX2, AVX-512. Where there are no such, the functions are all the same.
@@ -56,8 +57,17 @@ def model_library(model: Model, platform: toolchain.Platform | None = None) -> P
     roles = [v.role for v in model.variables]
     places = {role: roles.index(role) if role in roles else 0 for role in (*_PARTS, "output")}
     parts = ", ".join(f"({struct} *)(values + {places[role]})" for role, struct in _PARTS.items())
-    code = _MODEL.format(code=translated(model), parts=parts, outputs=places["output"])
+    code = _MODEL.format(code=_translated(model), parts=parts, outputs=places["output"])
     return _library(f"lanes_{model.name}", {"level.inc": code, "choice.c": _CHOICE}, platform)
+
+
+def _translated(model: Model) -> str:
+    """Return its C in lanes, kept as long as neither the C nor what translates it changes."""
+    files = [Path(module.__file__ or "") for module in (translation, c99, program)]
+    own = c_files(model, 2) | {path.name: text(path) for path in files}
+    parts = [part for name, code in sorted(own.items()) for part in (name, code)]
+    code = toolchain.kept("lanes", parts, lambda: translation.translated(model).encode())
+    return code.decode()
 
 
 def run_library(platform: toolchain.Platform | None = None) -> Path:

@@ -44,7 +44,7 @@ class FamilyCost(ExitStack):
         record = ("drive.v", "drive.x", "drive.F_m")
         self._runs = self.enter_context(benefit.LoopRuns(bench, loop, start.chain, record))
         observers = [one for one in start.chain if one.name == "observer"]
-        folder = bench.folder_of(bench.law.name)
+        folder = bench.fmus(bench.law.name, observers)
         self._chain = self.enter_context(ChainResponse(folder, loop, observers, self._runs.speed))
         self._lock = threading.Lock()  # of the one simulation behind it
         self.cells = [cell for cell in bench.cells if cell[0].decides]

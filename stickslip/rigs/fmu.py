@@ -11,7 +11,7 @@ from stickslip.rigs.contract import Command, Log, Rig, TrialLog
 from stickslip.rigs.limits import RigLimits
 from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.servo.measurement import Array
-from stickslip.servo.systems import Changes, build_fmus, paper_loop, servo_loop
+from stickslip.servo.systems import CONTROL, Changes, build_fmus, paper_loop, servo_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 
 MEASURED = ("drive.x_enc", "drive.F_m")
@@ -90,5 +90,5 @@ class FmuRig(Rig):
 def rig_of(truth: Changes, law: str = "lugre") -> Iterator[FmuRig]:
     """Build a drive on its bench, for a compensator of a law, and remove its files afterwards."""
     with temporary_folder() as fmus:
-        build_fmus(fmus, truth, law)
+        build_fmus(fmus, truth, law, ("drive", "compensator", "stage", *CONTROL))
         yield FmuRig(fmus, Datasheet(), LOOP.T_s, law)

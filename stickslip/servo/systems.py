@@ -15,6 +15,8 @@ Feed = Literal["nominal", "command"]
 NOMINAL_ORDER = 8  # states that the nominal-loop FMU has room for
 COMPONENTS = ("controller", "drive", "filter", "nominal")
 """Names in a loop beside those of the compensators."""
+CONTROL = ("nominal_loop", "velocity_controller", "velocity_filter")
+"""Models of a loop beside the drive and the compensators."""
 
 _MEASURED = {
     "x_enc": "{drive}.x_enc",

@@ -11,7 +11,6 @@ compensator can still do. In a cascade the position counts, too.
 """
 
 import math
-import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field, replace
@@ -31,7 +30,7 @@ from stickslip.output import steps
 from stickslip.servo.axis import Datasheet
 from stickslip.servo.lanes import Run
 from stickslip.servo.measurement import Array
-from stickslip.servo.systems import Compensator, Feed, build_fmus, build_loop
+from stickslip.servo.systems import CONTROL, Compensator, Feed, build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.thresholds import harm, loop_fit
 from stickslip.trial.family import (
@@ -325,7 +324,7 @@ def best_of(benefits: Sequence[Benefit]) -> Benefit:
 class Bench:
     """The loop in which variants are tried, on drives of any law."""
 
-    folder: Path  # empty; FMUs are built into it
+    folder: Path  # FMUs are built into it
     law: Law  # of the feedforward
     loop: VelocityLoop
     drives: Sequence[Drive]
@@ -340,24 +339,17 @@ class Bench:
     _known: dict[object, Errors] = field(default_factory=dict, init=False)
     _worst: dict[Command, float] = field(default_factory=dict, init=False)
 
-    def __post_init__(self) -> None:
-        own, *others = self.laws
-        build_fmus(self.folder_of(own), {"law": own}, own)
-        for name in dict.fromkeys([*others, RISING]):
-            called = f"{FEEDFORWARD}_{name}"
-            models.build_fmu(FEEDFORWARD, self.folder_of(own), law=name, called=called)
-        for name in others:  # with the same compensators
-            shutil.copytree(self.folder_of(own), self.folder_of(name))
-            models.build_fmu("drive", self.folder_of(name), law=name)
-
-    @property
-    def laws(self) -> tuple[str, ...]:
-        """Names of the laws of the drives, that of the feedforward first."""
-        return tuple(dict.fromkeys([self.law.name, *(drive.law for drive in self.drives)]))
-
-    def folder_of(self, law: str) -> Path:
-        """Return the folder of the FMUs with drives of a law."""
-        return self.folder / law
+    def fmus(self, law: str, chain: Sequence[Compensator]) -> Path:
+        """Return the folder of a loop with a drive of a law; its FMUs are built on first use."""
+        folder = self.folder / law
+        kinds = {"drive": ("drive", law)} | {name: (name, None) for name in CONTROL}
+        for one in chain:
+            own = one.law or self.law.name if one.model == FEEDFORWARD else None
+            kinds[one.file or one.model] = one.model, own
+        for file, (model, own) in kinds.items():
+            if not (folder / f"{file}.fmu").exists():
+                models.build_fmu(model, folder, law=own, called=file)
+        return folder
 
     @property
     def longest_move(self) -> float:
@@ -581,7 +573,7 @@ class LoopRuns(ExitStack):
         if law not in self._runs:
             bench, T_s = self._bench, self._loop.T_s
             feed = feed_of(self._chain)
-            system = build_loop(bench.folder_of(law), self._loop, self._chain, feed)
+            system = build_loop(bench.fmus(law, self._chain), self._loop, self._chain, feed)
             stop = (bench.samples - 1) * T_s
             whole = cosim.Specification(system, step=T_s, stop=stop, record=self._record)
             self._runs[law] = self.enter_context(Runs(whole, bench.workers))

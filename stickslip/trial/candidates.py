@@ -441,7 +441,7 @@ class _Candidates(ExitStack):
         """Return the responses of the loop with an observer at all masses; none if unstable."""
         if part.model not in self._responses:
             chain = [Compensator("observer", part.model, values)]
-            folder = self.bench.folder_of(self.bench.law.name)
+            folder = self.bench.fmus(self.bench.law.name, chain)
             response = ChainResponse(folder, self.bench.loop, chain, self.speed)
             self._responses[part.model] = self.enter_context(response)
         given = {f"observer.{name}": value for name, value in values.items()}

@@ -97,7 +97,7 @@ def _held(bench: Bench, drive: Drive, variant: Variant) -> Hold:
     n = round(hold_time(loop, drive.parameters, step) / loop.T_s)
     v_cmd, begins = _motions(bench.commands[0].v_cmd, step, n, loop.T_s)
     feed = feed_of(variant.chain)
-    system = build_loop(bench.folder_of(drive.law), loop, variant.chain, feed)
+    system = build_loop(bench.fmus(drive.law, variant.chain), loop, variant.chain, feed)
     values = {**axis_values(loop, bench.datasheet), **drive.parameters}
     system.parameters |= in_loop(values)
     stop = (len(v_cmd) - 1) * loop.T_s
