@@ -25,8 +25,8 @@ NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
 WITHIN = {"arena": 0.3}
 """Relative differences of numbers; 0.02 where not given. A short search depends on rounding."""
 NAMES = {path.stem: path for path in NOTEBOOKS}
-LONG = ("arena", "learn_from_a_log")
-"""They take half of the time of all."""
+LONG = ("arena", "compensators", "laws", "learn_from_a_log", "loop_design", "phenomena")
+"""They take most of the time of all, for calls that other tests and pages make as well."""
 
 
 def code_cells(notebook: nbformat.NotebookNode) -> list[nbformat.NotebookNode]:

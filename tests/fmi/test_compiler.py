@@ -143,3 +143,15 @@ def test_a_cache_that_cannot_be_written_is_one_line_with_our_setting(tmp_path, m
     monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "file"))
     with pytest.raises(toolchain.CacheUnusable, match=r"file.*: .*; set STICKSLIP_CACHE to"):
         toolchain.shared_library("answer", ANSWER)
+
+
+@pytest.mark.usefixtures("fresh")
+def test_what_texts_lead_to_is_made_once_for_each_of_them():
+    made = []
+
+    def make() -> bytes:
+        made.append(b"made %d" % len(made))
+        return made[-1]
+
+    found = [toolchain.kept(*one, make) for one in 2 * [("a", "x"), ("a", "y"), ("b", "x")]]
+    assert found == 2 * [b"made 0", b"made 1", b"made 2"]
