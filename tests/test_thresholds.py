@@ -71,6 +71,7 @@ from stickslip.servo.measurement import smoothed
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.studies.learn import log_learning
 from stickslip.studies.tune.on_rig import RigTest
+from stickslip.studies.learn.verdict import LoopShare
 from stickslip.studies.validate import compared_logs, log_prediction, log_verdict
 from stickslip.trial import compensator_trial
 from stickslip.trial.benefit import NONE, MotionErrors, TrialError, is_harmless
@@ -226,6 +227,12 @@ def scale_of_force(noise):
     force, rest = np.sin(0.01 * np.arange(5000)), np.cos(0.01 * np.arange(5000))
     found = replace(checked(0.9), force=force)
     return controller_check._factor(2.0 * force + 2.0 * noise * rest, T_S, found)
+
+
+def errs_otherwise(ratio):
+    """Tell whether a simulated loop that errs so much of the measured error is another one."""
+    size = {"measured": 1.0, "without": ratio, "compensated": None, "frictionless": 0.1}
+    return bool(LoopShare("velocity", "mm/s", "", **size, remedy="", remedied=0.1).mismatch)
 
 
 def shows_gains(noise):
@@ -943,6 +950,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
         1.0,
     ),
     "control_match.GAINS_SHOWN/2": (lambda: shows_gains(0.3), False, True),
+    "control_match.ERRS_ALIKE": (lambda: errs_otherwise(0.45), True, False),
     "transfer.SMALL": (lambda: "within" in verdict(relative=0.08), False, True),
     "transfer.MASS": (lambda: changed("m", 0.03), True, False),
     "transfer.VISCOUS": (lambda: changed("b", 7.0), True, False),

@@ -57,6 +57,7 @@ from stickslip.servo.observer import masses_between
 from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording
 from stickslip.studies.learn.predicted_logs import predicted_logs
 from stickslip.studies.learn.recorded import read_rig
+from stickslip.studies.learn.verdict import loop_share
 from stickslip.thresholds import control_match, harm
 from stickslip.trial.benefit import bench_of
 from stickslip.trial.candidates import law_of
@@ -202,7 +203,9 @@ def with_tracking(reading: Reading, learned: LearnedFromRecording) -> LearnedFro
         by_position=any(gains.get(name) for name in ("K_x", "P_x", "I_x")),
         force=float(np.max(np.abs(feedforward(recording, drive)))),
     )
-    return replace(learned, tracking=tracking)
+    share = loop_share(tracking, recording.motion, "")
+    what = learned.implausible or (share.mismatch if share else "")
+    return replace(learned, tracking=tracking, implausible=what)
 
 
 def _at_rest(recording: Recording, t: np.ndarray, v_cmd: np.ndarray) -> Recording:

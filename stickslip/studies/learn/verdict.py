@@ -27,7 +27,7 @@ from stickslip.presentation.page import Section
 from stickslip.presentation.quantity import SPACE, number
 from stickslip.presentation.scale import WORDS, force_scale, position_scale, velocity_scale
 from stickslip.studies.learn.learned import LearnedFromRecording
-from stickslip.thresholds import offer
+from stickslip.thresholds import control_match, offer
 from stickslip.trial.benefit import Benefit
 from stickslip.trial.observed import BOTH, FEEDFORWARD, OBSERVER, Choice
 
@@ -79,6 +79,21 @@ class LoopShare:
     def friction_matters(self) -> bool:
         """Whether the best compensator could leave less than what is worth its risk."""
         return not self.share > offer.GAIN
+
+    @property
+    def mismatch(self) -> str:
+        """Why the simulated loop cannot be that of the log; empty where it can."""
+        if not self.measured or not self.without:
+            return ""
+        factor = max(self.without / self.measured, self.measured / self.without)
+        if factor <= control_match.ERRS_ALIKE:
+            return ""
+        return (
+            f"the loop as described errs by {number(self.without, 3)} {self.unit} RMS in simulation"
+            f" and by {number(self.measured, 3)} in the log; expected the same within a factor of"
+            f" {control_match.ERRS_ALIKE:g}; check gains, feedforward, units and the limit of the force,"
+            " or leave the controller out"
+        )
 
 
 @dataclass(frozen=True)
@@ -175,7 +190,9 @@ def _headline(
     learned: LearnedFromRecording, files: Sequence[str], loop: LoopShare | None, *, force: bool
 ) -> str:
     compared = learned.trial and learned.trial.compared
-    if loop and not loop.friction_matters:
+    if learned.doubt and not files:
+        return "no compensator is written: learned values or loop cannot be right, see the warning"
+    if loop and not loop.friction_matters and not learned.doubt:
         most = f"{number(100 * loop.share, 3)} % of the {loop.figure} error stays without any"
         start = f"friction is not the problem: {most} friction"
         if not files:
@@ -291,6 +308,8 @@ def _sentence(loop: LoopShare) -> str:
 
 
 def _remedies(learned: LearnedFromRecording, loop: LoopShare | None) -> Iterator[str]:
+    if loop and loop.mismatch:
+        return
     if loop and loop.remedy:
         yield (
             f"{loop.remedy} would leave {number(loop.remedied, 3)} {loop.unit} of the"
