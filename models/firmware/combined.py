@@ -18,7 +18,7 @@ SIGNALS = {  # -> unit, and what it is
     "x_cmd": ("m", "Position command of the controller; 0 where there is no position loop"),
     "a_cmd": ("m/s2", "Acceleration command; 0 where no feedforward of inertia is used"),
     "x_enc": ("m", "Position of the encoder at the sample"),
-    "F_m": ("N", "Measured motor force at the sample"),
+    "F_m": ("N", "Measured motor force at the sample, with all that is added to it"),
 }
 RESULT = "[N] Force to add to the controller's, for the period that begins"
 _PART = re.compile(r"(\w+)\.([A-Za-z]\w*)")  # BLOCK.OUTPUT

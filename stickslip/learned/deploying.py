@@ -16,6 +16,7 @@ from stickslip.models.firmware.combined import ADDED_FORCE, SIGNALS, used_signal
 from stickslip.presentation.page import Section, write_page
 from stickslip.presentation.quantity import number
 from stickslip.servo.systems import Compensator
+from stickslip.servo.velocity_loop import VelocityLoop
 
 FOLDER, PAGE = "deploy", "steps.html"
 PARTS = ("compensator", "position_force", "observer")  # in the order of their calls
@@ -60,7 +61,8 @@ def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
     paths: list[Path] = []
     for language in get_args(Language):
         paths += write_combined(folder, language, blocks, rotary=rotary, notes=notes)
-    signals, of_drive = used_signals(blocks), partial(motion_unit, rotary=rotary)
+    idle, of_drive = _idle(learned.loop), partial(motion_unit, rotary=rotary)
+    signals = {name: one for name, one in used_signals(blocks).items() if name not in idle}
     verdict = {"source": "", "refused": (), **(learned.document.get("verdict") or {})}
     tuning = learned.document.get("tuning") or {}
     section = Section(
@@ -77,6 +79,12 @@ def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
         steps=list(_steps(names, [*signals], verdict, tuning)),
     )
     return paths + write_page(folder, "How to deploy the compensator", [section], PAGE)
+
+
+def _idle(loop: VelocityLoop | None) -> set[str]:
+    """Return the commands that a loop does not take."""
+    unused = {"x_cmd": loop.K_x, "a_cmd": loop.m_ff} if loop else {}
+    return {name for name, gain in unused.items() if not gain}
 
 
 def _steps(
@@ -104,7 +112,8 @@ def _steps(
     if "compensator" in names:
         known = [one.partition(": ")[2] for one in checks if one.startswith("drive disabled: ")]
         output = known or ["a positive velocity command must give a positive output"]
-        seen = f"F_ff of the compensator (not F of the call): {output[0]}"
+        where = "F_ff of the compensator (in C: added.compensator.outputs.F_ff), not F of the call"
+        seen = f"{where}: {output[0]}"
         yield "disable the drive and give commands", seen, repair
     if "position_force" in names:
         yield (

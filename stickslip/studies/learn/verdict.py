@@ -302,7 +302,7 @@ def _sentence(loop: LoopShare) -> str:
     if loop.measured is not None:
         shown[0] += f" (measured: {number(loop.measured, 3)})"
     if loop.compensated is not None:
-        shown.append(f"{number(loop.compensated, 3)} with the feedforward")
+        shown.append(f"{number(loop.compensated, 3)} with the feedforward alone")
     shown.append(f"{number(loop.frictionless, 3)} without any friction")
     return f"RMS {loop.figure} error, simulated: {', '.join(shown)}, on {loop.where}"
 

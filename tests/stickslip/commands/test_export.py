@@ -126,6 +126,7 @@ def test_what_learn_wrote_is_deployed_behind_one_call_and_nothing_else_is(export
     for shown, words in (
         (True, "The zero of x_enc must be that of the log"),
         (True, "reduce the integral"),
+        (True, "cc -c added_force.c position_force.c observer.c"),
         (True, "N\xa0m"),
         (False, "F_ff of the compensator"),
     ):
