@@ -44,8 +44,12 @@ def run(options: argparse.Namespace) -> Answer:
     given: dict[str, Any] = {"law": options.law}
     if options.of:
         given, names = _published(options), ["drive"]
-    for name in names:
-        models.load_model(name, given["law"])  # an unknown name must not leave half of the files
+    for name in names:  # an unknown one must not leave half of the files
+        try:
+            models.load_model(name, given["law"])
+        except models.UnknownModel:
+            raise_if_compensator(name)
+            raise
     folders = {v: options.out / f"fmi{v}" if len(versions) > 1 else options.out for v in versions}
 
     def build(job: tuple[str, models.FmiVersion]) -> Path:
@@ -65,6 +69,17 @@ def run(options: argparse.Namespace) -> Answer:
             print(path)
             written.append(path)
     return Answer({"written": written})
+
+
+def raise_if_compensator(name: str) -> None:
+    """Raise UsageError with the model of a compensator that has another name than it."""
+    from stickslip.compensators.entrants import parts
+
+    one = parts().get(name)
+    if one is not None and one.model:
+        law = f" --law {name}" if name in models.law_names() else ""
+        said = f"the compensator '{name}' is the model {one.model} with values of its own"
+        raise UsageError(f"{said}: stickslip build {one.model}{law}; see docs/compensators.md")
 
 
 def _published(options: argparse.Namespace) -> dict[str, Any]:

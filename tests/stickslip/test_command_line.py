@@ -427,6 +427,7 @@ def test_design_prints_what_was_asked_for(tmp_path, capsys):
     ("message", "arguments"),
     [
         ("there is no model 'stag'", "build stag"),
+        ("stickslip build compensator --law dahl", "build dahl"),
         ("no friction law 'ghost'", "build --law ghost"),
         ("'nominal_loop' contains no friction law", "build nominal_loop --law gms"),
         ("no variable 'mm'", "simulate STAGE --set mm=1"),
