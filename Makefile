@@ -77,7 +77,7 @@ clean: ## remove the environment and all that git ignores
 	touch $@
 
 .venv/tested: pyproject.toml setup.py | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[test]'
+	$(BIN)/python -m pip install --quiet --no-compile --editable '.[test]' # what tests import is compiled then
 	touch $@ .venv/installed
 
 .venv/checked: pyproject.toml setup.py | .venv/bin/python
