@@ -22,16 +22,16 @@ DATA = ROOT.parent / "shared" / "data"
 EXAMPLES = ROOT / "examples" / "logs"
 
 
-def learned(folder, name, example, law="auto"):
+def learned(folder, name, example, **asked):
     path = DATA / folder / name
     if not path.exists():
         pytest.skip(f"{path} is not here")
-    return learn(path, load_description(EXAMPLES / example), law=law)
+    return learn(path, load_description(EXAMPLES / example), **asked)
 
 
 @pytest.fixture(scope="module")
 def emps():
-    return learned("emps", "DATA_EMPS.mat", "emps.toml", law="lugre")
+    return learned("emps", "DATA_EMPS.mat", "emps.toml", law="lugre", compensator="lugre")
 
 
 @pytest.mark.usefixtures("untried")
