@@ -29,7 +29,7 @@ LOST = Finding("warning", "rows are lost", "2 %", spoils="values")
 
 @pytest.fixture(scope="module")
 def short():
-    command = plan(Limits(duration=8.0))["velocity_command"].to_numpy()
+    command = plan(Limits(duration=5.0))["velocity_command"].to_numpy()
     return recording("lugre", command, source="elsewhere")
 
 

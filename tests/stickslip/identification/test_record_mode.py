@@ -174,7 +174,7 @@ def test_a_slope_has_the_same_bits(criterion_of, recorded, monkeypatch):
 
 @pytest.fixture(scope="module")
 def told(recorded, candidates):
-    recording = recorded.learned.estimation.recording
+    recording = recorded.learned.estimation.recording.part(0, 20_000)
     return watched(candidates, replace(recording, velocity_command=None))
 
 

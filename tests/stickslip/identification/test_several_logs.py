@@ -22,7 +22,7 @@ TRUTH = {"m": 5.557, "b": 6.6135, "F_c": 5.999}
 
 def recorded(kind, **changes):
     """Return the log of a kind of motion, of the paper's stage or one that differs."""
-    command = plan(Limits(duration=5.0), (), SET[kind])
+    command = plan(Limits(duration=3.0), (), SET[kind])
     more = {"noise": 0.02, "source": f"{kind}.csv", **changes}
     return drives.recording("lugre", command["velocity_command"].to_numpy(), **more)
 
