@@ -60,7 +60,10 @@ def test_the_noise_of_the_encoder_is_found_from_the_errors_it_makes(bench_of, no
     assert model.mismatch < 0.5 * kept.ERRS_ALIKE
 
 
-def test_a_drive_of_another_law_has_a_model_that_errs_like_it_with_other_friction(bench_of):
+def test_a_drive_of_another_law_has_a_model_that_errs_like_it_with_other_friction(
+    bench_of, monkeypatch
+):
+    monkeypatch.setattr(drive_model, "LAWS", ("lugre", "dahl", "coulomb_stribeck"))
     bench = bench_of(law="coulomb_stribeck")
     best = fit_models(bench)[0]
     assert best.law == "coulomb_stribeck"
