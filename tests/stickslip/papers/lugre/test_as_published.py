@@ -19,12 +19,13 @@ from stickslip.papers.lugre.published import LOGARITHMIC, OURS, SQUARES, START, 
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
 from stickslip.tuning.learning import VelocityCost, coarsened, draw_factors
+from tests.stickslip.conftest import blank
 
 pytestmark = pytest.mark.slow
 
 SEEDS = range(2)
-SHORT = replace(ga.PAPER, generations=10)
-"""A tenth of the generations shows what learning does."""
+SHORT = replace(ga.PAPER, generations=6)
+"""Few of the generations show what learning does."""
 
 
 @pytest.fixture(scope="module")
@@ -57,8 +58,8 @@ def test_the_search_lowers_the_cost(study):
 def test_seeds_side_by_side_learn_what_they_learn_alone(drive, study):
     alone = study_as_published(*drive, [1], settings=SHORT)
     last = study.fitness().groupby("seed").tail(1)
-    assert (last["runs"] == 10 * 10).all()  # counted as in the paper
-    assert (last["evaluations"] == 10 + 9 * 8).all()
+    assert (last["runs"] == 6 * 10).all()  # counted as in the paper
+    assert (last["evaluations"] == 10 + 5 * 8).all()
     for name in ("fitness", "learned"):
         together = study.tables()[name]
         together = together[together["seed"] == 1].reset_index(drop=True)
@@ -107,6 +108,7 @@ def folder(tmp_path_factory):
     short = partial(published.study_as_published, settings=replace(ga.PAPER, generations=2))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(published, "study_as_published", short)
+        patch.setattr("stickslip.presentation.page.Picture.of", blank)
         assert main([*command, "--out", str(folder), *drive]) == 0
     return folder
 
