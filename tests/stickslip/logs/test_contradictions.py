@@ -21,7 +21,7 @@ def check(check_log):
     """
 
     def run(*options, step=0.0, names=(), only=None, whole=None, **given):
-        drive = rigid_drive(n=4000, step=step)
+        drive = rigid_drive(n=2500, step=step)
         table = pd.DataFrame(
             {
                 "time": drive.t,
@@ -164,7 +164,7 @@ LOOPS = ((1.0, 0.2, 1.0), (1.0, 2.0, 0.5), (5.0, 0.7, 0.5), (20.0, 0.2, 0.5))
 @pytest.mark.slow
 def test_a_bad_controller_is_not_a_contradiction(check_log):
     """Second-order loops that lag, overshoot and lose half of their command."""
-    t = np.arange(8000) * 1e-3
+    t = np.arange(4000) * 1e-3
     command = 0.02 * np.sin(2 * np.pi * (0.2 * t + 0.2 * t**2))
     for bandwidth, damping, gain in LOOPS:
         w = 2 * np.pi * bandwidth
@@ -222,7 +222,7 @@ def check_size(check_log):
     """Return a function that checks a log of a rigid drive: status, errors, standard output."""
 
     def run(options="", header=HEADER, m=3.0, size=1.0, period=1e-3):
-        drive = rigid_drive(n=4000, m=m, b=0.0, F_c=0.3 * m)
+        drive = rigid_drive(n=2500, m=m, b=0.0, F_c=0.3 * m)
         columns = (drive.t * period / 1e-3, drive.position * size, drive.force)
         table = pd.DataFrame(dict(zip(header, columns, strict=True)))
         return check_log(table, *options.split())[:3]

@@ -13,6 +13,7 @@ from stickslip.logs.force_path import force_path
 from stickslip.logs.motion import force_delay, signal_delay
 from stickslip.planning import LINEAR, Limits, plan
 from stickslip.servo.measurement import smoothed
+from tests.kept import further
 from tests.stickslip.logs.rigid_drive import rigid_drive
 
 DRIVE = rigid_drive(n=8000, step=4e-7)
@@ -139,7 +140,7 @@ def test_what_shows_no_delay(log):
     assert found is None or not found.known(log.T_s)
 
 
-@pytest.mark.parametrize(("mass", "viscous"), [(3.0, 60.0), (3.2, 44.0), (1.0, 20.0)])
+@pytest.mark.parametrize(("mass", "viscous"), [(3.2, 44.0), *further((3.0, 60.0), (1.0, 20.0))])
 def test_of_a_force_that_switches(mass, viscous):
     """A wrong delay with a negative mass, or Coulomb friction alone, explains it best."""
     t = np.arange(20000) * 1e-3
@@ -155,7 +156,7 @@ def test_of_a_force_that_switches(mass, viscous):
         assert not list(force_path(prompt, force_delay(prompt)))
 
 
-T_S, N = 1e-3, 12_000
+T_S, N = 1e-3, 8_000
 T = np.arange(N) * T_S
 TRAPEZOID = 0.1 * np.clip(8.0 * np.sin(2 * np.pi * 0.25 * T), -1.0, 1.0)
 

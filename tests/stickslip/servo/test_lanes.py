@@ -80,7 +80,11 @@ def runs(loop, law, seed):
 
 CASES = [
     *((law, ["compensator", "dob"]) for law in LAWS),
-    *((QUICK[k % len(QUICK)], [name]) for k, name in enumerate(COMPENSATORS) if name not in LEARNING),
+    *(
+        (QUICK[k % len(QUICK)], [name])
+        for k, name in enumerate(COMPENSATORS)
+        if name not in LEARNING
+    ),
 ]
 
 

@@ -170,11 +170,14 @@ def test_a_loop_that_would_stick_and_slip_is_seen(loop, make_rig, monkeypatch):
 
 
 def test_what_is_worse_than_the_reference_in_anything_is_not_taken(study, monkeypatch):
+    monkeypatch.setattr(search, "FINALISTS", 2)
+    monkeypatch.setattr(loop_learning, "REPEATS", 2)
     found = learn_loop(study)
     assert found.chosen == "learned"
     assert max(found.ratios.values()) <= 1.0
-    tried = search.FINALISTS + 2
-    assert found.runs == 1 + found.evaluations + tried * loop_learning.REPEATS
+    assert found.runs == 1 + found.evaluations + (2 + 2) * 2
+    short = replace(study, limits=ga.Limits(evaluations=1))
+    monkeypatch.setattr(loop_learning, "REPEATS", 1)
     for finalists, limit, chosen in (
         (1, 0.1, "reference"),
         (0, 1.1, "feedforward"),
@@ -182,7 +185,6 @@ def test_what_is_worse_than_the_reference_in_anything_is_not_taken(study, monkey
     ):
         monkeypatch.setattr(search, "FINALISTS", finalists)
         monkeypatch.setattr(kept, "LOOP_WORSE", limit)
-        short = replace(study, limits=ga.Limits(evaluations=1))
         assert learn_loop(short).chosen == chosen
 
 

@@ -28,6 +28,13 @@ SHORT = replace(ga.PAPER, generations=6)
 """Few of the generations show what learning does."""
 
 
+@pytest.fixture(scope="module", autouse=True)
+def few_phases():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(published, "PHASES", published.PHASES[:3])
+        yield
+
+
 @pytest.fixture(scope="module")
 def drive(identified, fmus):
     return FmuRig(fmus, Datasheet(), LOOP.T_s), identified
