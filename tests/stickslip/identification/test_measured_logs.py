@@ -7,6 +7,7 @@ import pytest
 
 from stickslip import cosim
 from stickslip.evaluation.tracking import VELOCITY
+from stickslip.fmi.files import digest
 from stickslip.learned.file import LearnedFile
 from stickslip.logs import load_description
 from stickslip.studies.learn.command import print_estimation
@@ -14,6 +15,7 @@ from stickslip.studies.learn.folder import write_learned
 from stickslip.studies.learn.log_learning import learn
 from stickslip.studies.learn.verdict import verdict_of
 from stickslip.trial.candidates import CompensatorComparison, Row
+from tests.kept import kept
 
 pytestmark = pytest.mark.slow
 
@@ -26,7 +28,9 @@ def learned(folder, name, example, **asked):
     path = DATA / folder / name
     if not path.exists():
         pytest.skip(f"{path} is not here")
-    return learn(path, load_description(EXAMPLES / example), **asked)
+    how = EXAMPLES / example
+    name = "-".join([folder, digest(how)[:8], *asked.values()])
+    return kept(name, lambda _: learn(path, load_description(how), **asked))
 
 
 @pytest.fixture(scope="module")
