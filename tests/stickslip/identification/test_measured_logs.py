@@ -56,7 +56,7 @@ def test_lugre_predicts_emps_worse_than_coulomb_and_viscous_friction(emps):
     assert all(one.identifiability != "identifiable" for one in emps.estimation.known.values())
 
 
-def test_emps_gives_the_published_parameters_and_is_explained_better(emps):
+def test_emps_gives_the_published_parameters_and_shows_no_presliding(emps, capsys):
     """Janot, Gautier, Brunot (2019): M, F_v, F_c and the offset, by least squares."""
     assert emps.estimation.figures.force_unfiltered < 0.0408
     assert emps.estimation.figures.position <= 0.000138
@@ -65,11 +65,8 @@ def test_emps_gives_the_published_parameters_and_is_explained_better(emps):
     assert known["b"].value == pytest.approx(203.5034, rel=0.02)
     assert known["F_c"].value == pytest.approx(20.3935, rel=0.01)
     assert pytest.approx(-3.1648, rel=0.01) == emps.estimation.F_0
-
-
-def test_emps_shows_no_presliding_and_says_so(emps, capsys):
     for name in ("F_s", "v_s", "sigma_0", "sigma_1"):
-        assert emps.estimation.known[name].identifiability == "not identifiable"
+        assert known[name].identifiability == "not identifiable"
     print_estimation(emps.estimation)
     said = capsys.readouterr().out
     assert said.count("not identifiable in this experiment") == 4

@@ -56,13 +56,6 @@ def test_lost_rows_are_counted(share):
     assert float(said.figure.split("%")[0]) / 100.0 == pytest.approx(share, rel=0.2)
 
 
-@pytest.mark.parametrize("step", [2e-5, 1e-4])
-def test_steps_of_the_encoder_are_no_low_pass(step):
-    """They make a rough acceleration, which every low-pass smooths."""
-    drive = rigid_drive(n=8000, step=step)
-    assert spoiled(drive.force, drive) == []
-
-
 @pytest.mark.parametrize("noise", [0.0, 1.0])
 def test_a_force_that_the_log_cuts_off(noise):
     """Noise of the sensor comes before or behind the limit."""
@@ -87,9 +80,14 @@ def test_a_force_that_was_low_passed(frequency, m):
     assert told == pytest.approx(frequency, rel=0.35)
 
 
-def test_a_delay_is_not_a_low_pass():
+def test_a_delay_encoder_steps_and_presliding_are_no_low_pass():
+    """Steps make a rough acceleration; the force of presliding is that of a negative mass."""
     for delay in (2.0, 7.5, 20.0):
         assert spoiled(rigid_drive(n=8000, delay=delay, step=4e-7).force) == []
+    for step in (2e-5, 1e-4):
+        drive = rigid_drive(n=8000, step=step)
+        assert spoiled(drive.force, drive) == []
+    assert spoiled(500.0 * DRIVE.position + NOISE) == []
 
 
 @pytest.mark.parametrize("delay", [120, -120])
@@ -99,11 +97,6 @@ def test_a_delay_beyond_the_search_is_named(delay):
     found = [one for one in spoiled(drive.force) if "delay" in one]
     assert len(found) == 1
     assert f"{np.copysign(100, delay):g} ms, the largest that is looked for" in found[0]
-
-
-def test_presliding_is_no_low_pass():
-    """Its force is that of a spring, like that of a negative mass."""
-    assert spoiled(500.0 * DRIVE.position + NOISE) == []
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.25, -0.6, 1.0, 3.4, 12.0])

@@ -89,9 +89,6 @@ def test_the_feedforward_has_the_friction_of_a_fitted_model_where_that_leaves_le
     assert force[-1] == pytest.approx(4.0 + 3.0 * np.exp(-2.0), rel=1e-3)
     identified = replace(study, models=[replace(model, fitted=False)])
     assert with_law_found(identified, options, Progress()) is identified
-
-
-def test_a_feedforward_of_wrong_friction_leaves_more(study):
     wrong = replace(study, friction={**study.friction, "sigma_0": 0.1 * study.friction["sigma_0"]})
     assert what_is_left(study) < 0.9 * what_is_left(wrong)
 

@@ -69,11 +69,8 @@ def test_the_regression_predicts_what_it_was_not_fitted_to():
 
 
 @pytest.mark.filterwarnings("error")
-def test_one_block_decides_nothing():
+def test_each_fold_of_a_short_recording_leaves_something_to_fit_and_one_block_decides_nothing():
     assert not is_less(np.array([0.1]), np.array([0.9]))
-
-
-def test_each_fold_of_a_short_recording_leaves_something_to_fit():
     for n in (600, 1100, 2700, 40_000):
         split = list(folds(n, 65))
         assert all(fold.fitted.sum() > 65 for fold in split)

@@ -66,11 +66,6 @@ def test_intervals_hold_where_friction_varies_and_what_varies_is_known_by_its_si
     assert found.value == pytest.approx(curve(found.speed), rel=0.02)
 
 
-def test_a_drive_that_hardly_slides_has_no_curve() -> None:
-    x = 1e-6 * np.sin(np.arange(40_000) * T_S)
-    assert friction_curve(STEP * np.round(x / STEP), x, T_S, STEP) is None
-
-
 @pytest.mark.parametrize("delta", EXPONENTS)
 def test_intervals_hold_the_values_of_a_curve_that_reaches_rest(delta: float) -> None:
     speed, rng = np.geomspace(0.3 * V_S, 40.0 * V_S, 12), np.random.default_rng(0)
@@ -89,6 +84,8 @@ def test_what_a_curve_does_not_show_has_no_value(lowest: float) -> None:
     F_s = F_S if lowest > V_S else F_C
     speed = np.geomspace(lowest, 40.0 * V_S, 12)
     assert rise(speed, curve(speed, 1.0, F_s), 0.05**2 * np.eye(12), 1.0) is None
+    x = 1e-6 * np.sin(np.arange(40_000) * T_S)  # hardly slides
+    assert friction_curve(STEP * np.round(x / STEP), x, T_S, STEP) is None
 
 
 def test_another_exponent_explains_less_of_the_curve() -> None:
