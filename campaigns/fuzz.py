@@ -180,8 +180,6 @@ TABLES = [
     b"time,u\n0,0\n0.5,1e-3\n1,2\n",
     b'\xef\xbb\xbf"time","a b",c\r\n0,1,2\r\n0,3,4\r\n1.5,-1,.5\r\n',
 ]
-
-
 FLEETS = [
     b"name,log,config\na,a.csv,a.toml\nb,sub/b.mat,\n",
     b'\xef\xbb\xbfname,log\r\nx,"a, b.csv"\r\ny,c.csv\r\n',
@@ -196,10 +194,6 @@ def logs() -> list[bytes]:
 
 def read_log(file: Path) -> None:
     raise_errors(file, read_and_check(file, Description())[1])
-
-
-def fleet(file: Path) -> None:
-    read_fleet(file)
 
 
 def learned_files() -> list[bytes]:
@@ -341,7 +335,7 @@ def read_parquet(file: Path) -> None:
 PARSERS = {
     "csv": Parser("in.csv", cosim.read_tables, lambda: TABLES, by_words, (cosim.SignalError,)),
     "log_csv": Parser("log.csv", read_log, logs, by_words, (StickslipError,)),
-    "fleet": Parser("fleet.csv", fleet, lambda: FLEETS, by_words, (UsageError,)),
+    "fleet": Parser("fleet.csv", read_fleet, lambda: FLEETS, by_words, (UsageError,)),
     "config": Parser(
         "log.toml", load_description, lambda: [TOML.encode()], by_words, (UsageError,)
     ),

@@ -2,17 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 import pandas as pd
 from scipy.signal import lfilter
 
 from campaigns.fault_matrix.drives import SOUND, Experiment
-from stickslip.logs import Description
+from stickslip.logs import Column, Description
 
 Log = pd.DataFrame
-Damage = Callable[[Log, Description, np.random.Generator], tuple[Log, Description]]
+Damage = Callable[[Log, np.random.Generator], Log]
 COLUMNS = ("time", "position", "force", "velocity_command")
 
 
@@ -20,55 +19,49 @@ COLUMNS = ("time", "position", "force", "velocity_command")
 class Fault:
     """A fault of a log."""
 
-    damage: Damage = lambda log, known, _: (log, known)  # changes log and description
+    damage: Damage = lambda log, _: log  # changes the log
     experiment: Experiment = SOUND  # that is recorded
     columns: tuple[str, ...] = COLUMNS  # that the log has
     gains: bool | None = True  # whether the owner gives the controller's gains; None tries both
+    factor: dict[str, float] | None = None  # of gains that are given wrong, by name
 
     def applied(
         self, log: Log, known: Description, rng: np.random.Generator
     ) -> tuple[Log, Description]:
         """Return the faulty log and its description."""
-        log, known = self.damage(log, known, rng)
-        log = log[[*self.columns]]
-        known = replace(known, columns={name: known.columns[name] for name in self.columns})
+        log = self.damage(log, rng)[[*self.columns]]
+        gains = {name: (self.factor or {}).get(name, 1.0) * x for name, x in known.gains.items()}
+        known = replace(known, columns={name: Column(name) for name in self.columns}, gains=gains)
         return log, known if self.gains else replace(known, controller="none", gains={})
 
 
 def _with(**changes: float | Callable[[np.ndarray], np.ndarray]) -> Damage:
     """Change columns by factors or functions."""
-
-    def damage(log: Log, known: Description, _: np.random.Generator) -> tuple[Log, Description]:
-        new = {
+    return lambda log, _: log.assign(
+        **{
             name: change(log[name].to_numpy()) if callable(change) else change * log[name]
             for name, change in changes.items()
         }
-        return log.assign(**new), known
-
-    return damage
+    )
 
 
-def _gains(**factors: float) -> Damage:
-    def damage(log: Log, known: Description, _: np.random.Generator) -> tuple[Log, Description]:
-        gains = {name: factors.get(name, 1.0) * value for name, value in known.gains.items()}
-        return log, replace(known, gains=gains)
-
-    return damage
+def _period(log: Log) -> float:
+    return log["time"][1] - log["time"][0]
 
 
-def _late(log: Log, known: Description, _: np.random.Generator, delay: float):
-    n = round(delay / (log["time"][1] - log["time"][0]))
-    return log.assign(force=log["force"].shift(n).ffill().bfill()), known
+def _late(delay: float) -> Damage:
+    return lambda log, _: log.assign(
+        force=log["force"].shift(round(delay / _period(log))).ffill().bfill()
+    )
 
 
-def _lost(log: Log, known: Description, rng: np.random.Generator) -> tuple[Log, Description]:
+def _lost(log: Log, rng: np.random.Generator) -> Log:
     kept = log[rng.random(len(log)) > 0.02].reset_index(drop=True)
-    return kept.assign(time=log["time"][: len(kept)]), known
+    return kept.assign(time=log["time"][: len(kept)])
 
 
-def _slow(log: Log, known: Description, _: np.random.Generator) -> tuple[Log, Description]:
-    every = round(1e-2 / (log["time"][1] - log["time"][0]))
-    return log.iloc[::every].reset_index(drop=True), known
+def _slow(log: Log, _: np.random.Generator) -> Log:
+    return log.iloc[:: round(1e-2 / _period(log))].reset_index(drop=True)
 
 
 def _filtered(x: np.ndarray) -> np.ndarray:
@@ -81,12 +74,7 @@ def _clipped(x: np.ndarray) -> np.ndarray:
 
 
 def _with_velocity(factor: float) -> Damage:
-    def damage(log: Log, known: Description, _: np.random.Generator) -> tuple[Log, Description]:
-        velocity = factor * np.gradient(log["position"], log["time"])
-        columns = {**known.columns, "velocity": replace(known.column("force"), name="velocity")}
-        return log.assign(velocity=velocity), replace(known, columns=columns)
-
-    return damage
+    return lambda log, _: log.assign(velocity=factor * np.gradient(log["position"], log["time"]))
 
 
 SATURATED = Experiment(limit=0.88)
@@ -97,11 +85,11 @@ FAULTS: dict[str, Fault] = {
     "the drive saturates": Fault(experiment=SATURATED, gains=None),
     "force clipped in the log": Fault(_with(force=_clipped), gains=None),
     "force logged before clipping": Fault(
-        lambda log, known, _: (log.assign(force=log["force_command"]), known), SATURATED, gains=None
+        lambda log, _: log.assign(force=log["force_command"]), SATURATED, gains=None
     ),
-    "force 5 ms late": Fault(partial(_late, delay=5e-3), gains=None),
-    "force 5 ms early": Fault(partial(_late, delay=-5e-3), gains=None),
-    "force 1.5 ms late": Fault(partial(_late, delay=1.5e-3), gains=None),
+    "force 5 ms late": Fault(_late(5e-3), gains=None),
+    "force 5 ms early": Fault(_late(-5e-3), gains=None),
+    "force 1.5 ms late": Fault(_late(1.5e-3), gains=None),
     "2 % of rows lost": Fault(_lost, gains=None),
     "position in mm read as m": Fault(_with(position=1e3), gains=None),
     "mm and A read as m and N": Fault(_with(position=1e3, force=0.05), columns=FORCE, gains=False),
@@ -114,9 +102,9 @@ FAULTS: dict[str, Fault] = {
     "force in steps of 2.2 N": Fault(_with(force=lambda x: 2.2 * np.round(x / 2.2)), gains=None),
     "force filtered at 16 Hz": Fault(_with(force=_filtered), gains=None),
     "100 Hz sampling": Fault(_slow, gains=None),
-    "gains wrong by 5 %": Fault(_gains(K_p=1.05, K_i=1.05)),
-    "gains wrong by 50 %": Fault(_gains(K_p=1.5, K_i=1.5)),
-    "P given for PI": Fault(_gains(K_i=0.0)),
+    "gains wrong by 5 %": Fault(factor={"K_p": 1.05, "K_i": 1.05}),
+    "gains wrong by 50 %": Fault(factor={"K_p": 1.5, "K_i": 1.5}),
+    "P given for PI": Fault(factor={"K_i": 0.0}),
     "cascade given as PI": Fault(experiment=Experiment(K_x=20.0)),
     "feedforward not given": Fault(experiment=Experiment(inertia=1.0)),
     "friction drifts by 30 %": Fault(experiment=Experiment(drift=0.3), gains=None),

@@ -74,7 +74,7 @@ def test_meets_its_specification_or_says_that_it_cannot(axis, wanted):
     assert loop.compliance.dcgain() == pytest.approx(0.0, abs=1e-6)
 
 
-def test_margins_are_those_of_python_control(loop):
+def test_margins_are_those_of_python_control_and_a_sine_comes_out_at_minus_3_db(loop):
     by_hand = transfer_function(loop.axis, loop.K_p, loop.K_i, loop.tau_f)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # it divides by the gain at half the sample rate, 0
@@ -83,11 +83,7 @@ def test_margins_are_those_of_python_control(loop):
     assert figures["crossover_Hz"] == pytest.approx(crossover / (2 * np.pi), rel=1e-6)
     assert figures["phase_margin_deg"] == pytest.approx(phase, abs=1e-4)
     assert figures["gain_margin_dB"] == pytest.approx(20 * math.log10(gain), abs=1e-4)
-
-
-def test_bandwidth_is_where_a_sine_comes_out_at_minus_3_db(loop):
-    f = loop.margins()["bandwidth_Hz"]
-    response = complex(loop.nominal(np.exp(2j * np.pi * f * loop.T_s)))
+    response = complex(loop.nominal(np.exp(2j * np.pi * figures["bandwidth_Hz"] * loop.T_s)))
     assert 20 * math.log10(abs(response)) == pytest.approx(10 * math.log10(0.5), abs=1e-9)
 
 

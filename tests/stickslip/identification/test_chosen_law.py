@@ -82,7 +82,7 @@ def test_a_log_of_another_law_gives_a_compensator_of_that_law(tmp_path):
 
     The encoder rounds, as ours does: another phase, which a log does not tell, moves m by 0.04 %.
     """
-    command = plan(Limits(duration=8.0))["velocity_command"].to_numpy()
+    command = plan(Limits(duration=5.0))["velocity_command"].to_numpy()
     drive = run("dahl", command, uneven=0.0, sigma_1=0.0, phase=0.5)
     dahl_log = write_log(tmp_path / "dahl.csv", drive)
     gains = [f"{name}={value}" for name, value in GAINS.items()]
@@ -108,7 +108,7 @@ def test_a_log_of_another_law_gives_a_compensator_of_that_law(tmp_path):
 @pytest.mark.usefixtures("without_pictures", "untried")
 def test_the_law_is_chosen_by_what_it_predicts(tmp_path, capsys):
     """The drive has five Maxwell-slip elements, which LuGre does not explain."""
-    command = plan()["velocity_command"].to_numpy()[:16_000]
+    command = plan(Limits(duration=5.0))["velocity_command"].to_numpy()
     log = write_log(tmp_path / "log.csv", run("gms", command, uneven=0.0))
     how = ["--criterion", "inverse", "--out", str(tmp_path / "out")]
     assert main(["learn", str(log), "--law", "auto", "-v", *how]) == 0

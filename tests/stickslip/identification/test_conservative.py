@@ -39,12 +39,9 @@ def taken(known, largest=np.inf, law="lugre"):
     return {name: one.value for name, one in found.items()}
 
 
-def test_what_is_identifiable_stays():
+def test_what_is_identifiable_stays_and_what_is_not_is_taken_at_its_weak_end():
     assert taken(known(), 9.0) == LUGRE
     assert taken(known(m=NOT_IDENTIFIABLE, b=NOT_IDENTIFIABLE), 9.0) == LUGRE
-
-
-def test_what_is_not_identifiable_is_taken_at_its_weak_end():
     assert taken(known(F_s=NOT_IDENTIFIABLE)) == {**LUGRE, "F_s": 6.0}
     assert taken(known(sigma_1=NOT_IDENTIFIABLE)) == {**LUGRE, "sigma_1": 2000.0}
     assert taken(known(v_s=NOT_IDENTIFIABLE))["v_s"] == pytest.approx(5e-5)

@@ -29,7 +29,7 @@ LOST = Finding("warning", "rows are lost", "2 %", spoils="values")
 
 @pytest.fixture(scope="module")
 def short():
-    command = plan(Limits(duration=8.0))["velocity_command"].to_numpy()
+    command = plan(Limits(duration=5.0))["velocity_command"].to_numpy()
     return recording("lugre", command, source="elsewhere")
 
 
@@ -94,8 +94,9 @@ def recorded(name, drift, folder):
 @pytest.mark.parametrize(
     ("name", "drift"),
     [
-        *(("coulomb_stribeck", 0.0), ("gms", 0.3)),
-        *further(("Table 2", 0.0), ("gms", 0.0), ("Table 2", 0.3), ("coulomb_stribeck", 0.3)),
+        ("gms", 0.3),
+        *further(*((name, 0.0) for name in ("coulomb_stribeck", "Table 2", "gms"))),
+        *further(("Table 2", 0.3), ("coulomb_stribeck", 0.3)),
     ],
 )
 def test_a_change_of_friction_is_found_whatever_the_law(name, drift, candidates, tmp_path):

@@ -19,8 +19,6 @@ from stickslip.identification.fitting.identifiability import identifiability
 from stickslip.servo.measurement import derivative
 
 N = 20_000
-
-
 K = len(ParameterSpace.of(friction_law()).names)
 
 

@@ -13,7 +13,7 @@ from stickslip.logs import Recording
 
 pytestmark = pytest.mark.slow
 
-T_S, DURATION = 1e-3, 14.0
+T_S, DURATION = 1e-3, 8.0
 DRIVE = {"m": 12.5, "b": 40.0, "F_c": 17.0, "F_s": 24.0, "v_s": 2e-3, "sigma_0": 7e5}
 DRIVE["sigma_1"] = 0.8 * math.sqrt(DRIVE["sigma_0"] * DRIVE["m"])
 GAINS = {"K_p": 900.0, "K_i": 15000.0, "tau_f": 2e-3, "T_s": T_S}

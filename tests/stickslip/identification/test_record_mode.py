@@ -32,20 +32,14 @@ pytestmark = pytest.mark.slow
 LIMITS = {"F_c": 0.005, "sigma_0": 0.05, "sigma_1": 0.05, "m": 0.005, "F_s": 0.05, "v_s": 0.1}
 
 
-def test_parameters_are_found(recorded):
-    table = recorded.table2().set_index("parameter")
-    for name, limit in LIMITS.items():
-        assert table.learned[name] == pytest.approx(table.drive[name], rel=limit), name
-
-
-def test_the_known_loop_judges_and_its_residual_is_what_encoder_and_noise_explain(recorded):
+def test_the_known_loop_judges_and_finds_parameters_with_intervals(recorded):
+    """Its residual is what encoder and noise explain."""
     assert recorded.learned.estimation.criterion == "output error"
     assert "controller is known" in recorded.learned.estimation.reason
     assert recorded.learned.estimation.model_error < 2.0
-
-
-def test_intervals_surround_their_values_and_most_hold_the_truth(recorded):
-    table = recorded.table2()
+    table = recorded.table2().set_index("parameter")
+    for name, limit in LIMITS.items():
+        assert table.learned[name] == pytest.approx(table.drive[name], rel=limit), name
     assert ((table["low"] < table["learned"]) & (table["learned"] < table["high"])).all()
     # Factor 2 on the 95 % interval: a miss there would be one in ten thousand.
     middle, half = table["learned"], (table["high"] - table["low"])
@@ -92,9 +86,6 @@ def test_the_whitening_of_an_autoregression_is_its_polynomial(pole):
     np.testing.assert_allclose(taps, [1.0, -pole, 0, 0, 0, 0], atol=0.02)
     white = lfilter(taps, [1.0], signal)
     assert abs(np.corrcoef(white[1:], white[:-1])[0, 1]) < 0.01
-
-
-def test_a_signal_of_zeros_stays():
     assert predictor_error(np.zeros(100), 5).tolist() == [1.0]
 
 
@@ -174,13 +165,8 @@ def test_a_slope_has_the_same_bits(criterion_of, recorded, monkeypatch):
 
 @pytest.fixture(scope="module")
 def told(recorded, candidates):
-    recording = recorded.learned.estimation.recording
+    recording = recorded.learned.estimation.recording.part(0, 20_000)
     return watched(candidates, replace(recording, velocity_command=None))
-
-
-@pytest.fixture(scope="module")
-def alone(told):
-    return told[0]
 
 
 def watched(candidates, recording):
@@ -197,21 +183,20 @@ def watched(candidates, recording):
         return learn(Task(candidates, recording)), seen[-1]
 
 
-def test_the_inverse_model_finds_what_shows_well(alone, recorded):
+def test_the_inverse_model_finds_what_shows_well_and_is_less_sure_than_the_loop(told, recorded):
+    alone, _ = told
     assert alone.criterion == "inverse model"
     assert "not known" in alone.reason
     for name, limit in {"m": 0.01, "F_c": 0.01, "sigma_0": 0.03, "sigma_1": 0.03}.items():
         assert alone.parameters[name] == pytest.approx(recorded.truth[name], rel=limit)
-
-
-def test_it_is_less_sure_than_with_the_loop(alone, recorded):
     for name, known in alone.known.items():
         assert known.standard_error > recorded.learned.estimation.known[name].standard_error
 
 
 @pytest.mark.thorough
-def test_a_constant_force_changes_nothing_else(alone, candidates):
+def test_a_constant_force_changes_nothing_else(told, candidates):
     """As on a vertical axis, whose controller bears the load when the log begins."""
+    alone, _ = told
     lifted = replace(alone.recording, force=alone.recording.force + 40.0)
     learned = learn(Task(candidates, lifted))
     assert abs(learned.F_0 - alone.F_0 - 40.0) < 0.02
@@ -220,18 +205,14 @@ def test_a_constant_force_changes_nothing_else(alone, candidates):
         assert abs(apart) < 0.2 * alone.fitted.errors[name], name
 
 
-def test_a_force_of_the_wrong_sign_is_told(recorded, candidates):
+def test_a_force_of_the_wrong_sign_and_missing_gains_are_told(recorded, candidates):
     recording = recorded.learned.estimation.recording
     turned = replace(recording, force=-np.asarray(recording.force))
     with pytest.raises(IdentificationError, match="signs"):
         learn(Task(candidates, turned))
-
-
-def test_the_loop_cannot_judge_without_its_gains(recorded, candidates):
     loop = LearnSettings(law="lugre", criterion="output error")
-    task = Task(candidates, recorded.learned.estimation.recording, settings=loop)
     with pytest.raises(UsageError, match="needs the controller"):
-        learn(task)
+        learn(Task(candidates, recording, settings=loop))
 
 
 def test_a_stand_in_that_shakes_the_drive_otherwise_is_not_believed(told, candidates):

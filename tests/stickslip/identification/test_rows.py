@@ -16,8 +16,8 @@ T_S = 1e-4
 
 
 def recorded(step):
-    """Return a log of sines and creep of 6 s with this step of the encoder [m], and noisy force."""
-    t = np.arange(60_000) * T_S
+    """Return a log of sines and creep of 4 s with this step of the encoder [m], and noisy force."""
+    t = np.arange(40_000) * T_S
     v_cmd = 0.012 * np.sin(2.0 * np.pi * (0.4 + 0.15 * t) * t) * np.sin(0.5 * t) + 4e-4
     return recording("lugre", v_cmd, noise=0.5, T_s=T_S, tau_f=T_S, encoder=step)
 

@@ -207,14 +207,9 @@ def test_options_go_before_the_file(config):
     assert (given.force_limit, given.encoder_step) == ("3", "1e-6")
     assert (given.delimiter, given.tau_i) == ("\t", 0.0)
     assert given.sample_period == WHOLE.sample_period
-
-
-def test_options_with_units():
     given = described("--encoder-step", "0.1um", "--rated-torque", "240mNm")
     assert (given.encoder_step, given.rated_torque) == (1e-7, 0.24)
-
-
-def test_another_controller_drops_the_gains_of_the_file(config):
+    # another controller drops the gains of the file
     given = described("--config", config, "--controller", "PI", "--gain", "K_p=7", "K_i=2")
     assert given.gains == {"K_p": "7", "K_i": "2"}
 

@@ -53,18 +53,12 @@ def test_encodings_and_line_ends(table, tmp_path, encoding, ending):
     equals(read_recording(written(tmp_path, text.encode(encoding))).recording, table)
 
 
-def test_a_header_behind_a_comment_sign(table, tmp_path):
+def test_a_header_behind_a_comment_sign_and_columns_of_text(table, tmp_path):
     stream = io.StringIO()
     np.savetxt(stream, table.to_numpy(), header="t x F v_cmd", fmt="%.17g")
     equals(read_recording(written(tmp_path, stream.getvalue(), "log.dat")).recording, table)
-
-
-def test_columns_of_text_are_left_out(table, tmp_path):
-    table["status"] = "OK, running"
-    table["note"] = ""
-    equals(
-        read_recording(written(tmp_path, table.to_csv(index=False))).recording, table.iloc[:, :4]
-    )
+    text = table.assign(status="OK, running", note="").to_csv(index=False)
+    equals(read_recording(written(tmp_path, text)).recording, table)
 
 
 def test_points_in_time_become_seconds(table, tmp_path):

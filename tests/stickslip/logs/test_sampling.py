@@ -109,14 +109,11 @@ def test_channels_with_times_of_their_own_are_joined(read, shift, every):
     assert np.max(np.abs(recording.force - expected)) < 0.02 * np.max(np.abs(expected))
 
 
-def test_a_channel_that_is_far_slower_is_an_error(log, read):
+def test_a_channel_that_is_far_slower_and_a_period_that_hides_channels_are_errors(log, read):
     slow = log.assign(**{"F [N]": log["F [N]"].where(log.index % 20 == 0)})
     with pytest.raises(RecordingError, match=r"force was sampled each 0[.]02 s, and the position"):
         read(slow)
-
-
-def test_a_sample_period_does_not_hide_channels_in_turn(log, read):
-    """Half of the rows hold no position; a period for each row would be wrong."""
+    # half of the rows hold no position: a period for each row would be wrong
     with pytest.raises(RecordingError, match="without sample_period"):
         read(in_turn(log, 1), sample_period=1e-3)
 
@@ -225,6 +222,7 @@ def test_a_table_says_what_differs_from_log_to_log(tmp_path):
 @pytest.mark.parametrize(
     ("table", "line"),
     [
+        (None, r"no log in this folder; expected files of .*\.csv"),
         ("log,mass\na.csv,1\n", "row 1: expected log, config, .* got 'mass'"),
         ("log,load\nc.csv,1\n", "row 2: log 'c.csv': no such file"),
         ("log,load\na.csv,1 kg\n", "row 2: load '1 kg': expected a mass"),
@@ -234,15 +232,10 @@ def test_a_table_says_what_differs_from_log_to_log(tmp_path):
         ("log\n", "without a row"),
     ],
 )
-def test_a_table_that_does_not_suit_is_one_line(tmp_path, table, line):
+def test_a_table_that_does_not_suit_or_a_folder_without_logs_is_one_line(tmp_path, table, line):
     with pytest.raises(UsageError, match=line) as caught:
-        logs_of([written(tmp_path, table)], SOME)
+        logs_of([written(tmp_path, table) if table else tmp_path], SOME)
     assert "\n" not in str(caught.value)
-
-
-def test_a_folder_without_logs_is_an_error(tmp_path):
-    with pytest.raises(UsageError, match=r"no log in this folder; expected files of .*\.csv"):
-        logs_of([tmp_path], SOME)
 
 
 def test_each_log_is_found_again_in_what_joins_them():

@@ -83,7 +83,7 @@ AXES = {
 
 def sensitivity(loop):
     """Return max |1 / (1 + L)| by python-control, on a grid of our own."""
-    w = np.linspace(1e-3, 1.0, 20000) * np.pi / loop.T_s
+    w = np.linspace(1e-3, 1.0, 4000) * np.pi / loop.T_s
     return np.abs(control.feedback(1, loop.open_loop)(np.exp(1j * w * loop.T_s))).max()
 
 

@@ -19,15 +19,12 @@ def test_a_signal_is_smoothed_as_scipy_does(share, shape):
     np.testing.assert_array_equal(signal, kept)
 
 
-def test_columns_and_few_samples_are_smoothed():
+def test_columns_and_few_samples_are_smoothed_and_a_section_begins_at_rest():
     columns = np.random.default_rng(1).normal(size=(200, 3))
     found = smoothed(columns.T, 1e-3, 40.0)
     for k in range(3):
         np.testing.assert_array_equal(found[k], smoothed(columns[:, k], 1e-3, 40.0))
     np.testing.assert_allclose(smoothed(np.full(4, 2.0), 1e-3, 40.0), 2.0)
-
-
-def test_a_section_begins_at_rest():
     signal = np.random.default_rng(2).normal(size=(2, 300))
     wanted = lfilter([0.3], [1.0, -0.7], signal)
     section = np.array([0.3, 0.0, 0.0, 1.0, -0.7, 0.0])

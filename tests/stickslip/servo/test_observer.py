@@ -119,9 +119,7 @@ def test_an_observer_of_order_2_is_designed_within_the_limit():
     worst = max(peak_sensitivity(PAPER, designed.observer, s * 5.557) for s in MASSES)
     assert worst == pytest.approx(designed.sensitivity, rel=1e-6)
     assert worst <= offer.SENSITIVITY
-
-
-def test_a_coarse_encoder_slows_the_observer():
+    # a coarse encoder slows the observer
     rates = [design_observer(PAPER, q, 6.0).observer.filter.L_d for q in (1e-8, 4e-7, 2e-6)]
     assert rates[0] > 4 * rates[1] > 4 * rates[2]
 

@@ -11,6 +11,8 @@ from stickslip.output import Progress
 from stickslip.papers.lugre import reproduction
 from stickslip.papers.lugre.loop_tuning import STAGES
 from stickslip.papers.lugre.reproduction import Options, with_law_found
+from stickslip.rigs.fmu import FmuRig
+from stickslip.servo.axis import Datasheet
 from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.systems import build_loop, feedforward, servo_loop
 from stickslip.servo.tuned_pi import tuned_pi
@@ -37,9 +39,10 @@ SOME = {
 
 
 @pytest.fixture
-def study(loop, make_rig):
+def study(loop, fmus):
     friction = {name: PAPER[name] for name in LUGRE}
-    return LoopStudy(make_rig(), tuned_pi(loop), friction, limits=ga.Limits(evaluations=20))
+    rig = FmuRig(fmus, Datasheet(), loop.T_s)
+    return LoopStudy(rig, tuned_pi(loop), friction, limits=ga.Limits(evaluations=12))
 
 
 def test_the_reference_is_the_tuned_loop_without_any_compensator(study):
@@ -86,9 +89,6 @@ def test_the_feedforward_has_the_friction_of_a_fitted_model_where_that_leaves_le
     assert force[-1] == pytest.approx(4.0 + 3.0 * np.exp(-2.0), rel=1e-3)
     identified = replace(study, models=[replace(model, fitted=False)])
     assert with_law_found(identified, options, Progress()) is identified
-
-
-def test_a_feedforward_of_wrong_friction_leaves_more(study):
     wrong = replace(study, friction={**study.friction, "sigma_0": 0.1 * study.friction["sigma_0"]})
     assert what_is_left(study) < 0.9 * what_is_left(wrong)
 
@@ -167,23 +167,22 @@ def test_a_loop_that_would_stick_and_slip_is_seen(loop, make_rig, monkeypatch):
 
 
 def test_what_is_worse_than_the_reference_in_anything_is_not_taken(study, monkeypatch):
+    monkeypatch.setattr(search, "FINALISTS", 2)
+    monkeypatch.setattr(loop_learning, "REPEATS", 2)
     found = learn_loop(study)
     assert found.chosen == "learned"
     assert max(found.ratios.values()) <= 1.0
-    tried = search.FINALISTS + 2
-    assert found.runs == 1 + found.evaluations + tried * loop_learning.REPEATS
-    monkeypatch.setattr(kept, "LOOP_WORSE", 0.1)
-    assert learn_loop(study).chosen == "reference"
-
-
-def test_where_the_search_finds_nothing_the_feedforward_is_kept_or_the_reference(
-    study, monkeypatch
-):
-    monkeypatch.setattr(search, "FINALISTS", 0)
-    monkeypatch.setattr(kept, "LOOP_WORSE", 1.1)
-    assert learn_loop(study).chosen == "feedforward"
-    monkeypatch.setattr(kept, "LOOP_WORSE", 0.9)  # it leaves all of small moves
-    assert learn_loop(study).chosen == "reference"
+    assert found.runs == 1 + found.evaluations + (2 + 2) * 2
+    short = replace(study, limits=ga.Limits(evaluations=1))
+    monkeypatch.setattr(loop_learning, "REPEATS", 1)
+    for finalists, limit, chosen in (
+        (1, 0.1, "reference"),
+        (0, 1.1, "feedforward"),
+        (0, 0.9, "reference"),  # the feedforward leaves all of small moves
+    ):
+        monkeypatch.setattr(search, "FINALISTS", finalists)
+        monkeypatch.setattr(kept, "LOOP_WORSE", limit)
+        assert learn_loop(short).chosen == chosen
 
 
 def test_each_seed_halves_the_error_of_a_tuned_controller_robustly(reproduction):

@@ -43,7 +43,7 @@ def test_a_log_of_an_arm_is_checked_with_the_weight_that_another_shows(tmp_path)
 
 
 def test_a_faulty_log_is_left_out_of_a_set(tmp_path):
-    moves = swing(1.0, 2.0)
+    moves = swing(1.0, 2.0, n=4000)
     for name in ("a.csv", "b.csv"):
         written(tmp_path, name, moves)
     written(tmp_path, "cut.csv", moves, limit=0.5)

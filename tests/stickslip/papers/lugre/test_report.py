@@ -97,21 +97,21 @@ def whole(made):
 
 
 @pytest.fixture(scope="module")
-def folders(whole, tmp_path_factory):
-    """Two new folders with the report of ``whole``, written by threads side by side."""
-    before = dict(mpl.rcParams)
-    folders = [tmp_path_factory.mktemp("report") / "new" for _ in range(2)]
+def written(whole, tmp_path_factory):
+    """Return a new folder with the report of ``whole``, and two figures drawn side by side."""
+    before, folder = dict(mpl.rcParams), tmp_path_factory.mktemp("report") / "new"
+    figures = {name: draw for one in sections(whole) for name, draw in one.figures.items()}
     with ThreadPoolExecutor(2) as pool:
-        written = list(pool.map(lambda folder: write_report(whole, folder), folders))
+        files = pool.submit(write_report, whole, folder)
+        again = {name: pool.submit(Picture.of, figures[name]) for name in ("steps", "loop_tuning")}
     assert dict(mpl.rcParams) == before  # matplotlib's own settings are left as they were
-    for folder, files in zip(folders, written, strict=True):
-        assert sorted(files) == sorted(folder.iterdir())
-    return folders
+    assert sorted(files.result()) == sorted(folder.iterdir())
+    return folder, {name: one.result() for name, one in again.items()}
 
 
 @pytest.fixture(scope="module")
-def page(folders):
-    return (folders[0] / "report.html").read_text(encoding="utf-8")
+def page(written):
+    return (written[0] / "report.html").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -119,17 +119,23 @@ def cells(page):
     return parted(page)
 
 
-def test_every_figure_is_written_and_stands_on_the_page_with_the_same_bytes_twice(folders, page):
-    names = {path.name for path in folders[0].iterdir()}
+def test_every_figure_is_written_and_stands_on_the_page_with_the_same_bytes_twice(
+    written, whole, page
+):
+    folder, again = written
+    names = {path.name for path in folder.iterdir()}
     assert names == {f"{f}.{e}" for f in FIGURES for e in ("png", "svg")} | {"report.html"}
     for name in names:
-        content = (folders[0] / name).read_bytes()
-        assert content == (folders[1] / name).read_bytes(), name
+        content = (folder / name).read_bytes()
         if name.endswith("svg"):
             assert ElementTree.fromstring(content).tag.endswith("svg")  # noqa: S314 - our own file
             assert all(link.startswith(b"#") for link in re.findall(rb'href="([^"]*)"', content))
             assert base64.b64encode(content).decode() in page
         assert name[-3:] != "png" or content.startswith(b"\x89PNG")
+    for name, picture in again.items():
+        assert (folder / f"{name}.png").read_bytes() == picture.png
+        assert (folder / f"{name}.svg").read_bytes() == picture.svg
+    assert render_page(whole) == render_page(whole)
 
 
 @pytest.fixture(scope="module")
