@@ -123,7 +123,7 @@ TOLD = {
     "none": "silent",
     "force clipped in the log": "values",
     "force logged before clipping": "values",
-    "2 % of rows lost": "values",
+    "2 % of rows lost": "error",
     "force filtered at 16 Hz": "values",
     "one way only": "values",
     "position in mm read as m": "error",
