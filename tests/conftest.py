@@ -38,6 +38,8 @@ sys.dont_write_bytecode = False
 
 threadpool_limits(limits=1, user_api="blas")
 
+gc.disable()  # until all tests are collected
+
 settings.register_profile("stickslip", deadline=None)
 settings.load_profile("stickslip")
 
@@ -73,6 +75,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def pytest_collection_finish() -> None:
     """Let the garbage collector pass over thousands of tests, which stay until the end."""
     gc.freeze()
+    gc.enable()
 
 
 @pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
