@@ -8,6 +8,8 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from stickslip import models
+from stickslip.fmi.toolchain import cache_directory
+from tests.kept import further
 
 
 def test_fmpy_finds_nothing_to_complain_about(some_fmu):
@@ -28,6 +30,7 @@ def test_description_and_model_toml_list_the_same_variables(fmu):
         ]
 
 
+@pytest.mark.parametrize("name", ["drive", "compensator+gms", "nominal_loop"])
 def test_start_values_given_to_the_exporter_reach_description_and_binary(name, tmp_path, build):
     model = build(name, 2).model
     variables = model.variables
@@ -128,12 +131,17 @@ def test_initial_unknowns_depend_on_what_is_declared_and_on_nothing_else(fmu, sl
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "version"), [("drive", 2), pytest.param("stage", 3, marks=pytest.mark.thorough)]
+    ("name", "version", "anew"),
+    [("drive", 2, False), *further(("drive", 2, True), ("stage", 3, True))],
 )
 def test_the_same_sources_give_the_same_bytes_in_another_folder_and_cache(
-    tmp_path_factory, monkeypatch, build, name, version
+    tmp_path_factory, monkeypatch, build, name, version, anew
 ):
-    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path_factory.mktemp("cache")))
+    """The compiler keeps its own files where they are, unless it shall do all anew."""
+    cache = tmp_path_factory.mktemp("cache")
+    if not anew:
+        (cache / "zig").symlink_to(cache_directory() / "zig")
+    monkeypatch.setenv("STICKSLIP_CACHE", str(cache))
     folder = tmp_path_factory.mktemp("elsewhere, with blanks")
     again = models.build_fmu(name, folder, fmi=version)
     assert again.read_bytes() == build(name, version).path.read_bytes()
