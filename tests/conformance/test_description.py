@@ -2,13 +2,13 @@
 
 from itertools import product
 
-import fmpy
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
 from stickslip import models
 from stickslip.fmi.toolchain import cache_directory
+from tests.conformance.conftest import Fmu
 from tests.kept import further
 
 
@@ -31,17 +31,18 @@ def test_description_and_model_toml_list_the_same_variables(fmu):
 
 
 @pytest.mark.parametrize("name", ["drive", "compensator+gms", "nominal_loop"])
-def test_start_values_given_to_the_exporter_reach_description_and_binary(name, tmp_path, build):
+def test_start_values_given_to_the_exporter_reach_description_and_binary(
+    name, tmp_path, build, slave
+):
     model = build(name, 2).model
-    variables = model.variables
-    first = next(v for v in variables if v.role == "parameter" and v.start)
+    first = next(v for v in model.variables if v.role == "parameter" and v.start)
     path = models.build_fmu(
         model.name, tmp_path, start={first.name: 2 * first.start}, law=model.law and model.law.name
     )
-    description = fmpy.read_model_description(str(path))
-    start = {v.name: v.start for v in description.modelVariables}
-    assert float(start[first.name]) == 2 * first.start
-    assert description.guid != build(name, 2).description.guid
+    built = Fmu(path, 2, name)
+    assert float(built.variables[first.name].start) == 2 * first.start
+    assert slave(built).initialize().get([first.name]) == [2 * first.start]
+    assert built.description.guid != build(name, 2).description.guid
 
 
 def test_declared_dependences_exist(fmu, slave):

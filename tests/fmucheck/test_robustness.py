@@ -33,7 +33,6 @@ def test_nothing_is_left_and_nothing_leaves_the_folder(tmp_path, monkeypatch):
     outside = "terminalsAndIcons/../../../../../../../../etc/hostname"
     names = ("../../evil", "/tmp/fmucheck-evil", outside)  # noqa: S108 (not written)
     report = fmucheck.check(pack(tmp_path / "evil.fmu", members(2) | dict.fromkeys(names, b"")))
-    assert [f.severity for f in report] == sorted((f.severity for f in report), reverse=True)
     (unsafe,) = (f for f in report if f.rule == "unsafe-path")
     assert {unsafe.place, *unsafe.others} == {repr(name) for name in names}
     assert list(room.iterdir()) == []

@@ -26,6 +26,7 @@ LAWFUL = {
 
 def faults(path) -> set[str]:
     report = fmucheck.check(path, run=False)
+    assert [f.severity for f in report] == sorted((f.severity for f in report), reverse=True)
     return {f.rule for f in report if f.severity >= fmucheck.Severity.WARNING}
 
 
