@@ -11,6 +11,7 @@ import os
 import signal
 import sys
 from collections import Counter
+from collections.abc import Generator
 from pathlib import Path
 
 import pytest
@@ -38,8 +39,6 @@ sys.dont_write_bytecode = False
 
 threadpool_limits(limits=1, user_api="blas")
 
-gc.disable()  # until all tests are collected
-
 settings.register_profile("stickslip", deadline=None)
 settings.load_profile("stickslip")
 
@@ -51,6 +50,16 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help=f"run at most {CASES} case of each test, and none that is marked slow",
     )
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Collect no garbage while tests are collected, of which all stay."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
 
 
 @pytest.hookimpl(trylast=True)
@@ -75,7 +84,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def pytest_collection_finish() -> None:
     """Let the garbage collector pass over thousands of tests, which stay until the end."""
     gc.freeze()
-    gc.enable()
 
 
 @pytest.fixture(params=[2, 3], ids=["FMI 2.0", "FMI 3.0"])
