@@ -22,9 +22,9 @@ from matplotlib.patches import Arc  # noqa: E402 - the same
 
 from tests.test_architecture import (  # noqa: E402 - of the tests
     ROOMS_OF_STICKSLIP,
-    imports,
-    own_sources,
+    nodes,
     room_of,
+    sources,
     targets,
 )
 
@@ -33,13 +33,13 @@ OUT = ROOT / "docs" / "_build" / "rooms.png"
 
 def main() -> None:
     """Draw, and print sizes and numbers of imports."""
-    own = own_sources()
+    own = {module: tree for module, tree in sources().items() if room_of(module)}
     arrows: Counter[tuple[str, str]] = Counter()
     lines: Counter[str] = Counter()
     for module, tree in own.items():
         here = room_of(module)
         lines[here] += max((getattr(node, "end_lineno", 0) for node in tree.body), default=0)
-        found = (name for node in imports(tree) for name in targets(node) if name in own)
+        found = (name for node in nodes(tree) for name in targets(node) if name in own)
         arrows.update((here, room_of(name)) for name in found if room_of(name) != here)
     place = {room: i for i, room in enumerate(ROOMS_OF_STICKSLIP)}
     figure, axes = plt.subplots(figsize=(9.0, 10.0))

@@ -25,7 +25,7 @@ def name(path: Path) -> str:
 
 
 @pytest.mark.parametrize("path", DECISIONS, ids=name)
-def test_every_decision_is_in_the_index(path):
+def test_a_decision_has_its_parts_and_is_in_the_index(path):
     text = path.read_text(encoding="utf-8")
     heading = re.match(r"# (\d+)\. (.+)\n", text)
     assert heading, "expected a first line '# NUMBER. TITLE'"
@@ -42,31 +42,29 @@ def test_every_decision_is_in_the_index(path):
     assert first == f"| [{number}]({path.name})"
     assert rows[0][1] == title
     assert last.removesuffix(" |") == status[1]
-
-
-@pytest.mark.parametrize("path", DECISIONS, ids=name)
-def test_a_decision_has_its_parts(path):
-    headings = re.findall(r"^## (.+)$", path.read_text(encoding="utf-8"), re.MULTILINE)
+    headings = re.findall(r"^## (.+)$", text, re.MULTILINE)
     allowed = ["Context", "Decision", "Consequences", "Alternatives tried"]
     assert headings[:2] == allowed[:2]
     assert headings == [heading for heading in allowed if heading in headings]
 
 
-@pytest.mark.parametrize("path", DOCUMENTS, ids=name)
-def test_relative_links_lead_to_files(path):
-    text = path.read_text(encoding="utf-8")
-    targets = re.findall(r"(?<!\\)\]\(([^)#\s]+)(?:#[^)]*)?\)", text)
-    missing = [t for t in targets if ":" not in t and not (path.parent / t).exists()]
+def test_relative_links_lead_to_files():
+    link = re.compile(r"(?<!\\)\]\(([^)#\s]+)(?:#[^)]*)?\)")
+    missing = [
+        f"{name(path)}: {target}"
+        for path in DOCUMENTS
+        for target in link.findall(path.read_text(encoding="utf-8"))
+        if ":" not in target and not (path.parent / target).exists()
+    ]
     assert not missing
 
 
-@pytest.mark.parametrize("path", WRITTEN, ids=name)
-def test_no_replaced_word(path):
+def test_no_replaced_word():
     pattern = rf"\b({'|'.join(REPLACED)})\b"
-    text = path.read_text(encoding="utf-8")
     found = {
-        f"line {number}: {match[0]}"
-        for number, line in enumerate(text.splitlines(), 1)
+        f"{name(path)}, line {number}: {match[0]}"
+        for path in WRITTEN
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
         if not line.startswith("    ")  # what a command prints
         for match in re.finditer(pattern, re.sub(r"`[^`]*`", "", line), re.IGNORECASE)
     }

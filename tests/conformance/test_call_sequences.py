@@ -24,7 +24,7 @@ pytestmark = [
     pytest.mark.skipif(not GCC, reason="gcc, with its sanitizers, is not installed here"),
 ]
 
-SEQUENCES = 300
+SEQUENCES = 150
 MODELS = [models.load_model(name) for name in models.model_names()]
 MODELS.append(replace(models.load_model("stage", "gms"), name="stage_gms"))
 KINDS = {
@@ -89,9 +89,8 @@ def calls(folder, first, count):
 )
 def test_random_calls(model, version, tmp_path):
     library(model, version, tmp_path)
-    count = SEQUENCES * (3 if model.name in ("stage", "velocity_controller") else 1)
-    made, unlawful, _ = calls(tmp_path, 1, count)
-    assert int(unlawful) > 5 * count
-    assert int(made) - int(unlawful) > 10 * count
+    made, unlawful, _ = calls(tmp_path, 1, SEQUENCES)
+    assert int(unlawful) > 5 * SEQUENCES
+    assert int(made) - int(unlawful) > 10 * SEQUENCES
     again = [calls(tmp_path, first, 50)[2] for first in (7, 7, 8)]
     assert again[0] == again[1] != again[2]

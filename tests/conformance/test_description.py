@@ -2,12 +2,14 @@
 
 from itertools import product
 
-import fmpy
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
 from stickslip import models
+from stickslip.fmi.toolchain import cache_directory
+from tests.conformance.conftest import Fmu
+from tests.kept import further
 
 
 def test_fmpy_finds_nothing_to_complain_about(some_fmu):
@@ -28,17 +30,19 @@ def test_description_and_model_toml_list_the_same_variables(fmu):
         ]
 
 
-def test_start_values_given_to_the_exporter_reach_description_and_binary(name, tmp_path, build):
+@pytest.mark.parametrize("name", ["drive", "compensator+gms", "nominal_loop"])
+def test_start_values_given_to_the_exporter_reach_description_and_binary(
+    name, tmp_path, build, slave
+):
     model = build(name, 2).model
-    variables = model.variables
-    first = next(v for v in variables if v.role == "parameter" and v.start)
+    first = next(v for v in model.variables if v.role == "parameter" and v.start)
     path = models.build_fmu(
         model.name, tmp_path, start={first.name: 2 * first.start}, law=model.law and model.law.name
     )
-    description = fmpy.read_model_description(str(path))
-    start = {v.name: v.start for v in description.modelVariables}
-    assert float(start[first.name]) == 2 * first.start
-    assert description.guid != build(name, 2).description.guid
+    built = Fmu(path, 2, name)
+    assert float(built.variables[first.name].start) == 2 * first.start
+    assert slave(built).initialize().get([first.name]) == [2 * first.start]
+    assert built.description.guid != build(name, 2).description.guid
 
 
 def test_declared_dependences_exist(fmu, slave):
@@ -128,12 +132,17 @@ def test_initial_unknowns_depend_on_what_is_declared_and_on_nothing_else(fmu, sl
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "version"), [("drive", 2), pytest.param("stage", 3, marks=pytest.mark.thorough)]
+    ("name", "version", "anew"),
+    [("drive", 2, False), *further(("drive", 2, True), ("stage", 3, True))],
 )
 def test_the_same_sources_give_the_same_bytes_in_another_folder_and_cache(
-    tmp_path_factory, monkeypatch, build, name, version
+    tmp_path_factory, monkeypatch, build, name, version, anew
 ):
-    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path_factory.mktemp("cache")))
+    """The compiler keeps its own files where they are, unless it shall do all anew."""
+    cache = tmp_path_factory.mktemp("cache")
+    if not anew:
+        (cache / "zig").symlink_to(cache_directory() / "zig")
+    monkeypatch.setenv("STICKSLIP_CACHE", str(cache))
     folder = tmp_path_factory.mktemp("elsewhere, with blanks")
     again = models.build_fmu(name, folder, fmi=version)
     assert again.read_bytes() == build(name, version).path.read_bytes()

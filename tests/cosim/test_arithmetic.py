@@ -12,6 +12,7 @@ from stickslip import cosim
 from stickslip.cosim.kernel import plain_arithmetic
 from tests.corpus.hostile import fmus
 from tests.cosim.single import joined, one
+from tests.kept import further
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="hostile.c is for Linux")
 
@@ -79,7 +80,7 @@ def test_so_it_is_compiled_or_apart(tmp_path, sound, expected, change, how):
 
 
 @pytest.mark.parametrize(
-    ("call", "change"), [("load", "round"), ("Instantiate", "flush"), ("DoStep", "round")]
+    ("call", "change"), [("DoStep", "round"), *further(("load", "round"), ("Instantiate", "flush"))]
 )
 def test_so_it_is_in_one_fmu(tmp_path, sound, expected, change, call):
     """A container, in a process of its own: FMPy loads libraries for good."""

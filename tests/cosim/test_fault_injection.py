@@ -18,6 +18,7 @@ from stickslip.cosim import Adaptive, Coupling
 from stickslip.cosim.run import resets
 from tests.corpus.hostile import faults
 from tests.cosim.single import joined, one
+from tests.kept import further
 
 # function -> which of its calls fails
 COMMON = {"SetReal": 3, "GetReal": 5, "Reset": 1, "EnterInitializationMode": 1}
@@ -297,7 +298,7 @@ def test_a_message_does_not_pass_to_another_component_later(tmp_path, version):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("call", ["DoStep", "SetReal", "Terminate"])
+@pytest.mark.parametrize("call", ["DoStep", *further("SetReal", "Terminate")])
 def test_in_a_container(tmp_path, call):
     """It passes on what its component says, to a tool that is not ours."""
     plan = f"{call} {1 if call == 'Terminate' else 4} 3 {FOREIGN}"

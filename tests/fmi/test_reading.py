@@ -23,20 +23,6 @@ def test_a_file_is_read_up_to_its_limit(tmp_path):
         read_limited(file, 4)
 
 
-def test_a_sparse_file_is_refused_before_it_is_read(tmp_path):
-    with (tmp_path / "a").open("wb") as file:
-        file.truncate(1 << 40)
-    with pytest.raises(OSError, match=f"{1 << 40} bytes"):
-        read_limited(tmp_path / "a", 1 << 20)
-
-
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="a system without pipes in folders")
-def test_a_pipe_is_not_waited_for(tmp_path):
-    os.mkfifo(tmp_path / "pipe")
-    with pytest.raises(OSError, match="no regular file"):
-        read_limited(tmp_path / "pipe", 10)
-
-
 @pytest.mark.parametrize("name", [".", "none", "a\0b", "x" * 5000])
 def test_what_cannot_be_a_file(tmp_path, name):
     with pytest.raises(OSError, match=r"\S"):

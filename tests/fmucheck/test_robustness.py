@@ -1,7 +1,9 @@
-"""The checker itself: any bytes, messages, patience, rules that explain themselves, our FMUs."""
+"""The checker itself: messages, patience, rules that explain themselves, our FMUs.
+
+That any bytes give a report is tried by ``campaigns.fuzz``, see tests/hostile.
+"""
 
 import ctypes
-import random
 import re
 import struct
 import sys
@@ -23,19 +25,6 @@ from tests.corpus.hostile import fmus
 from tests.cosim.single import members as unzipped
 
 
-@pytest.mark.parametrize("seed", range(40))
-def test_any_bytes_give_a_report(tmp_path, seed):
-    """Bytes of a sound FMU changed at random places, its end cut off or not."""
-    chance = random.Random(seed)  # noqa: S311 (no secret)
-    data = bytearray(pack(tmp_path / "a.fmu", members(2)).read_bytes())
-    for _ in range(chance.randint(1, 30)):
-        data[chance.randrange(len(data))] = chance.randrange(256)
-    path = tmp_path / "b.fmu"
-    path.write_bytes(data[: chance.randint(1, len(data))] if seed % 2 else data)
-    report = fmucheck.check(path, run=False)
-    assert [f.severity for f in report] == sorted((f.severity for f in report), reverse=True)
-
-
 def test_nothing_is_left_and_nothing_leaves_the_folder(tmp_path, monkeypatch):
     """Temporary files are gone whether the FMU is sound or its paths go up."""
     room = tmp_path / "room"
@@ -50,12 +39,13 @@ def test_nothing_is_left_and_nothing_leaves_the_folder(tmp_path, monkeypatch):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["evil.fmu", "room"]
 
 
-@pytest.mark.parametrize("rule", fmucheck.RULES.values(), ids=lambda rule: rule.id)
-def test_a_rule_explains_itself(rule):
-    assert rule.summary.endswith(".")
-    assert rule.advice
-    assert rule.sections
-    assert all(re.fullmatch(r"(\d(\.\d+)*)?", section) for section in rule.sections.values())
+def test_every_rule_explains_itself():
+    for rule in fmucheck.RULES.values():
+        assert rule.summary.endswith("."), rule.id
+        assert rule.advice, rule.id
+        assert rule.sections, rule.id
+        sections = rule.sections.values()
+        assert all(re.fullmatch(r"(\d(\.\d+)*)?", section) for section in sections), rule.id
 
 
 CODE = """
@@ -137,9 +127,7 @@ def test_one_instance_per_process_is_respected(tmp_path):
     description = sound["modelDescription.xml"].replace(b"modelIdentifier=", once)
     binary = {binary_name(2): with_defect("shared-state")}
     path = pack(tmp_path / "a.fmu", sound | {"modelDescription.xml": description} | binary)
-    began = time.monotonic()
-    report = fmucheck.check(path, total=4.0)
-    assert time.monotonic() - began < 12.0
+    report = fmucheck.check(path, total=3.0)
     assert [f for f in report if f.severity > fmucheck.Severity.NOTE] == []
     assert "time for all rules is over" in " ".join(f.message for f in report)
 
@@ -181,7 +169,7 @@ def test_broken_binaries_elsewhere_do_not_stop_the_run_here(tmp_path, version):
     assert alone <= rules(found)
 
 
-USUAL = ("stage", "compensator", "drive+gms", "dob", "velocity_controller", "lugre_network")
+USUAL = ("drive+gms", "dob", "velocity_filter")
 SOUND = [*models.model_names(), *(f"drive+{law}" for law in models.law_names())]
 
 

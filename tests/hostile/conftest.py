@@ -3,6 +3,7 @@
 import pytest
 
 from stickslip.cosim import kernel
+from stickslip.cosim.fmu.library import fmi1_wrapper
 from tests.corpus.defects import reference
 from tests.corpus.hostile import faults, fmus
 
@@ -10,6 +11,7 @@ from tests.corpus.hostile import faults, fmus
 @pytest.fixture(scope="session", autouse=True)
 def compiled():
     kernel.load()
+    fmi1_wrapper()
     kernel.built(marked=True)
     faults.library()
     fmus.library()

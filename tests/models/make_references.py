@@ -115,9 +115,9 @@ def stage(p: Parameters) -> Columns:
     return {"time": t, "u": u, "x": x, "v": v, "F_f": friction(v, z, p)}
 
 
-def drive(p: Parameters) -> Columns:
+def drive(p: Parameters, n: int = 201) -> Columns:
     """Move as the stage, behind DAC and motor lag, on a guide that pushes and is rough."""
-    t = np.arange(201) * STEP
+    t = np.arange(n) * STEP
     u = 15.0 * np.sin(2 * np.pi * 14.0 * t)
     target = np.rint(u / p["dac_step"]) * p["dac_step"] if p["dac"] else u
     target = np.clip(target, -p["u_max"], p["u_max"])

@@ -61,7 +61,7 @@ GUIDE |= {"drift": 0.3, "drift_time": 0.05, "sde": 1e-5, "sde_period": 2e-4, "F_
 GUIDE |= {"ripple": 1.0, "ripple_amplitude": 3.0, "ripple_period": 2e-3, "pitch": 3e-3}
 GUIDE |= {"g_s": 8.0, "g_c": -3.0, "cogging_s[2]": 0.7, "cogging_c[1]": -1.1}
 """All that varies along the guide of a drive, with time and with the load; any of them moves the
-drive by 500 nm or more."""
+drive by 150 nm or more."""
 NEAR = {"x": 2e-8, "x_enc": 2e-8, "v": 5e-6, "F_f": 2e-2}  # what varies is held in each sub-step
 LUGRE = {"k_e": 0.6, "tau_f": 0.0, "delta": 2.0}
 HELD = ((0.02, 0.018), (2e-4, -1e-4), (-0.001, 0.003), (0.0, 0.01))  # measured, expected [m/s]
@@ -81,7 +81,7 @@ def test_the_force_is_that_of_the_equations(with_law, observe, name, changes):
 )
 def test_the_damping_of_the_lugre_observer_has_its_share(with_law, observe, share_1, held, more):
     values = {**LUGRE, "share_1": share_1, **more}
-    compare(with_law, observe, "lugre_observer", values, n=61, held=held)
+    compare(with_law, observe, "lugre_observer", values, n=41, held=held)
 
 
 @pytest.mark.thorough
@@ -93,7 +93,7 @@ def test_it_has_it_where_the_velocity_reverses(with_law, observe, more):
 
 def test_the_drive_is_that_of_the_equations(with_law, observe):
     ideal = dict.fromkeys(("current_loop", "dac", "encoder"), 0.0)
-    compare(with_law, observe, "drive", ideal | GUIDE, near=NEAR)
+    compare(with_law, observe, "drive", ideal | GUIDE, near=NEAR, n=101)
 
 
 def test_a_weight_of_the_network_stays_within_its_limit(observe):

@@ -48,10 +48,11 @@ def inputs(prepared, given):
 @pytest.mark.parametrize("name", LEARNERS)
 def test_what_is_learned_starts_the_next_run_bit_for_bit(fmus, fmus_3, name):
     """The same in FMI 2.0, FMI 3.0 and a process of its own; a run without it begins untrained."""
+    ways = [(fmus, None), (fmus_3, None), *([(fmus, "process")] if name == "lffc" else [])]
     n = 1000
     moving, still = signals(motion(n)), signals(np.zeros(n))
     found = []
-    for folder, isolation in ((fmus, None), (fmus_3, None), (fmus, "process")):
+    for folder, isolation in ways:
         with simulation(folder / f"{name}.fmu", n, isolation=isolation) as prepared:
             prepared.run(inputs=inputs(prepared, still))
             untrained = prepared.learned()
@@ -61,7 +62,7 @@ def test_what_is_learned_starts_the_next_run_bit_for_bit(fmus, fmus_3, name):
             assert prepared.learned() == found[-1]
             prepared.run(inputs=inputs(prepared, still))
             assert prepared.learned() == untrained
-    assert found[0] == found[1] == found[2]
+    assert all(learned == found[0] for learned in found)
     assert any(found[0][key] != untrained[key] for key in untrained)
 
 

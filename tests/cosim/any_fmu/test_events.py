@@ -99,23 +99,23 @@ def run(path, step=STEP):
     return first
 
 
+TICKS = {
+    "every": 0.125 + 0.25 * np.arange(8),
+    "growing": [0.0, 0.2, 0.6, 1.4],  # 0.1 before the first tick, then 0.2, 0.4, 0.8
+    "after": [0.475, 0.475],
+    "by_hand": [],
+    "asked": [0.0, 0.4, 0.8, 1.2, 1.6, 2.0],
+}
+
+
 @pytest.mark.parametrize("step", [0.1, 0.5, 0.0625])
-@pytest.mark.parametrize(
-    ("clock", "ticks"),
-    [
-        ("every", 0.125 + 0.25 * np.arange(8)),
-        ("growing", [0.0, 0.2, 0.6, 1.4]),  # 0.1 before the first tick, then 0.2, 0.4, 0.8
-        ("after", [0.475, 0.475]),
-        ("by_hand", []),
-        ("asked", [0.0, 0.4, 0.8, 1.2, 1.6, 2.0]),
-    ],
-)
-def test_a_clock_ticks_at_its_times(export, interfaces, step, clock, ticks):
+def test_a_clock_ticks_at_its_times(export, interfaces, step):
     result = run(export("clocked", 3, interfaces), step)
-    reached = np.searchsorted(ticks, result.time + 1e-9)
-    np.testing.assert_array_equal(result[f"a.{clock}_ticks"], reached)
-    last = np.concatenate([[0.0], ticks])[reached]
-    np.testing.assert_allclose(result[f"a.{clock}_at"], last, atol=1e-12)
+    for clock, ticks in TICKS.items():
+        reached = np.searchsorted(ticks, result.time + 1e-9)
+        np.testing.assert_array_equal(result[f"a.{clock}_ticks"], reached, err_msg=clock)
+        last = np.concatenate([[0.0], ticks])[reached]
+        np.testing.assert_allclose(result[f"a.{clock}_at"], last, atol=1e-12, err_msg=clock)
 
 
 def test_clocks_that_will_not_tick_are_named(export, caplog):

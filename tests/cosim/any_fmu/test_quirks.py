@@ -28,11 +28,6 @@ def test_scheduled_execution_alone_cannot_be_run(export):
         cosim.Fmu(export("stair", 3, "SE"))
 
 
-def test_an_interface_it_does_not_have(export):
-    with pytest.raises(cosim.FmuError, match="no interface 'model_exchange'; it has co_simulation"):
-        cosim.Fmu(export("stair", 2, "CS"), interface="model_exchange")
-
-
 def test_interfaces_are_listed_and_pickled(export):
     fmu = cosim.Fmu(export("stair", 2, "ME CS"), interface="model_exchange")
     assert fmu.interfaces == ("co_simulation", "model_exchange")

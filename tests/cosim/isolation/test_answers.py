@@ -56,10 +56,8 @@ def test_a_part_of_an_answer_is_not_waited_for_any_longer(kind, n):
     whole = message(TOKEN, b'{"n": 123456}')
     with connected(kind) as (answers, write, _):
         os.write(write, whole[:n])
-        began = time.monotonic()
         with pytest.raises(Empty):
             answers.get(0.05)
-        assert time.monotonic() - began < 5.0
         os.write(write, whole[n:])
         assert answers.get(10.0) == {"n": 123456}
 

@@ -177,7 +177,7 @@ def archives(draw):
     return zipped(members, before=draw(st.binary(max_size=2)), comment=draw(st.binary(max_size=9)))
 
 
-@settings(max_examples=80)
+@settings(max_examples=40)
 @given(archives())
 def test_whatever_is_unpacked_lies_in_its_folder(tmp_path_factory, data):
     top = tmp_path_factory.mktemp("room")

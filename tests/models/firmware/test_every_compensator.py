@@ -106,6 +106,8 @@ LEARNED = {
     if (ports := models.load_model(name).ports) and ports.learned
 }
 """Members of the memory that are learned."""
+LARGE = ("rbf", "mlp")
+"""Networks, which structured text runs slowly; lffc is one as well."""
 
 
 def members(model: models.Model, role: str) -> list[str]:
@@ -210,7 +212,9 @@ def test_c_in_float_is_near(exported, case):
     assert np.sqrt(np.mean(error**2)) < 0.02 * np.ptp(expected)
 
 
-@pytest.mark.parametrize("name", LEARNED)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.thorough if n in LARGE else ()) for n in LEARNED]
+)
 def test_what_is_learned_is_read_in_c_and_structured_text(exported, name):
     """A member of the memory, and an output of the function block, from which the next begins."""
     folder = exported(name)
