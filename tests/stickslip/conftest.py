@@ -1,15 +1,22 @@
-"""One reproduction of the paper, and one short log, made once for all tests that judge them."""
+"""One reproduction, one short log and what is learned of it, made once for all tests of them."""
 
-from dataclasses import replace
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from dataclasses import dataclass, replace
+from functools import partial
+from importlib import import_module
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
 from stickslip.catalog.parameters import PAPER
+from stickslip.cli import main
+from stickslip.identification.estimation import Search
 from stickslip.identification.stages import Identification, identify
 from stickslip.models import build_fmu
-from stickslip.output import SILENT, Progress
+from stickslip.output import SILENT, Progress, shown_by
 from stickslip.papers.lugre.folder import write_results
 from stickslip.papers.lugre.reproduction import Options, Reproduction, reproduce
 from stickslip.planning import LINEAR, plan
@@ -19,6 +26,8 @@ from stickslip.rigs.fmu import FmuRig, rig_of
 from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
+from stickslip.studies.learn import log_learning
+from stickslip.studies.learn.learned import LearnedFromRecording
 from tests.kept import kept
 
 
@@ -120,3 +129,60 @@ def log(tmp_path_factory):
     table = {"time": log.t, "position": log.x_enc, "force": log.F_m}
     pd.DataFrame(table)[::2].to_csv(path, index=False)
     return path
+
+
+@contextmanager
+def briefly() -> Iterator[pytest.MonkeyPatch]:
+    """Search for a short time, try on few drives and small moves, and leave the figures blank."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("stickslip.identification.estimation.Search", partial(Search, evaluations=40))
+        patch.setattr("stickslip.presentation.page.Picture.of", blank)
+        for room in ("estimation.learn", "selection.prediction"):
+            patch.setattr(import_module(f"stickslip.identification.{room}"), "DRAWS", 1)
+        patch.setattr("stickslip.trial.family.SWEPT_MOVES", 2)
+        patch.setattr("stickslip.trial.family.SWEPT_CREEPS", (0.3,))
+        yield patch
+
+
+@pytest.fixture(scope="module")
+def brief() -> Iterator[None]:
+    with briefly():
+        yield
+
+
+ASKED = ("--criterion", "inverse", "--seed", "3", "--compensator", "static+ekbf")
+
+
+@dataclass(frozen=True)
+class Brief:
+    """What the command learned of the short log."""
+
+    folder: Path
+    learned: LearnedFromRecording
+    steps: list[tuple[int, int | None]]
+    said: str
+    warned: str
+
+
+@pytest.fixture(scope="session")
+def learned_log(log) -> Brief:
+    def learned(folder: Path) -> Brief:
+        steps, found, out = [], [], folder / "out"
+
+        def learn(*arguments, **options) -> LearnedFromRecording:
+            found.append(own(*arguments, **options))
+            return found[0]
+
+        own = log_learning.learn
+        with (
+            briefly() as patch,
+            redirect_stdout(io.StringIO()) as said,
+            redirect_stderr(io.StringIO()) as warned,
+            shown_by(lambda done, of: steps.append((done, of))),
+        ):
+            patch.setattr(log_learning, "learn", learn)
+            words = ["learn", "--log", str(log), *ASKED, "--workers", "1", "--out", str(out), "-v"]
+            assert main(words) == 0
+        return Brief(out, found[0], steps, said.getvalue(), warned.getvalue())
+
+    return kept("learned_log", learned)
