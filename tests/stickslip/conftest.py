@@ -2,10 +2,8 @@
 
 import io
 from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass, replace
-from functools import partial
-from importlib import import_module
 from pathlib import Path
 
 import pandas as pd
@@ -13,14 +11,12 @@ import pytest
 
 from stickslip.catalog.parameters import PAPER
 from stickslip.cli import main
-from stickslip.identification.estimation import Search
 from stickslip.identification.stages import Identification, identify
 from stickslip.models import build_fmu
 from stickslip.output import SILENT, Progress, shown_by
 from stickslip.papers.lugre.folder import write_results
 from stickslip.papers.lugre.reproduction import Options, Reproduction, reproduce
 from stickslip.planning import LINEAR, plan
-from stickslip.presentation.page import Picture
 from stickslip.rigs.contract import COMMISSIONING
 from stickslip.rigs.fmu import FmuRig, rig_of
 from stickslip.servo.axis import LOOP, Axis, Datasheet
@@ -29,6 +25,7 @@ from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 from stickslip.studies.learn import log_learning
 from stickslip.studies.learn.learned import LearnedFromRecording
 from tests.kept import kept
+from tests.stickslip.brief import blank, briefly
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -47,10 +44,6 @@ def quiet() -> Progress:
 def without_pictures(monkeypatch):
     """Leave the figures of a report blank: drawing takes half of the time of a short learning."""
     monkeypatch.setattr("stickslip.presentation.page.Picture.of", blank)
-
-
-def blank(*_):
-    return Picture(b"", b"", 89.0)
 
 
 def reproduced(fmus: Path) -> Reproduction:
@@ -129,19 +122,6 @@ def log(tmp_path_factory):
     table = {"time": log.t, "position": log.x_enc, "force": log.F_m}
     pd.DataFrame(table)[::2].to_csv(path, index=False)
     return path
-
-
-@contextmanager
-def briefly() -> Iterator[pytest.MonkeyPatch]:
-    """Search for a short time, try on few drives and small moves, and leave the figures blank."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stickslip.identification.estimation.Search", partial(Search, evaluations=40))
-        patch.setattr("stickslip.presentation.page.Picture.of", blank)
-        for room in ("estimation.learn", "selection.prediction"):
-            patch.setattr(import_module(f"stickslip.identification.{room}"), "DRAWS", 1)
-        patch.setattr("stickslip.trial.family.SWEPT_MOVES", 2)
-        patch.setattr("stickslip.trial.family.SWEPT_CREEPS", (0.3,))
-        yield patch
 
 
 @pytest.fixture(scope="module")

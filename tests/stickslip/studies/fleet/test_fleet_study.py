@@ -1,9 +1,12 @@
 """A fleet loses nothing: not to workers that die, not to Ctrl-C, not to a drive that fails."""
 
 import os
+import shutil
+from functools import partial
 
 import pandas as pd
 import pytest
+from brief_job import brief
 from fleet_jobs import Counting, Deadly, quick
 
 from stickslip.cli import main
@@ -101,15 +104,20 @@ def test_files_of_the_user_survive_a_study_that_fails_and_resumes(drives, tmp_pa
     assert {path for path in (out / "unfinished").rglob("*") if path.is_file()} < mine
 
 
-def test_a_fleet_is_the_same_in_processes_of_dask(log, cluster, tmp_path, capsys):
+def test_a_fleet_is_the_same_in_processes_of_dask(log, cluster, tmp_path, capsys, monkeypatch):
     table = tmp_path / "table.csv"
-    table.write_text(f"name,log\ngood,{log}\nmissing,none.csv\n")
+    shutil.copy(log, tmp_path)
+    table.write_text("name,log\ngood,log.csv\nmissing,none.csv\n")
+    module = "stickslip.studies.fleet.study.learn_fleet"
+    monkeypatch.setattr(module, partial(learn_fleet, job=brief))
     where = {"here": ["--workers", "1"], "dask": ["--cluster", cluster]}
     for name, options in where.items():
         assert main(["fleet", str(table), "--out", str(tmp_path / name), *options]) == 1
         out, error = capsys.readouterr()
         assert "missing  failed: none.csv: cannot be read" in out
         assert error.count("\n") == 1
+        processes = {(tmp_path / f"{one}.pid").read_text() for one in ("good", "missing")}
+        assert (processes == {str(os.getpid())}) == (name == "here")
         assert "1 of 2 drives failed" in error
     results = files(tmp_path / "here")
     names = {f"fleet.{ending}" for ending in ("csv", "html", "json", "png", "svg")}
