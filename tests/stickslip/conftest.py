@@ -3,8 +3,9 @@
 import io
 from collections.abc import Iterator
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pandas as pd
 import pytest
@@ -133,20 +134,11 @@ def brief() -> Iterator[None]:
 ASKED = ("--criterion", "inverse", "--seed", "3", "--compensator", "static+ekbf")
 
 
-@dataclass(frozen=True)
-class Brief:
-    """What the command learned of the short log."""
-
-    folder: Path
-    learned: LearnedFromRecording
-    steps: list[tuple[int, int | None]]
-    said: str
-    warned: str
-
-
 @pytest.fixture(scope="session")
-def learned_log(log) -> Brief:
-    def learned(folder: Path) -> Brief:
+def learned_log(log) -> SimpleNamespace:
+    """Return what the command learned of the short log, its folder and what was printed."""
+
+    def learned(folder: Path) -> SimpleNamespace:
         steps, found, out = [], [], folder / "out"
 
         def learn(*arguments, **options) -> LearnedFromRecording:
@@ -163,6 +155,7 @@ def learned_log(log) -> Brief:
             patch.setattr(log_learning, "learn", learn)
             words = ["learn", "--log", str(log), *ASKED, "--workers", "1", "--out", str(out), "-v"]
             assert main(words) == 0
-        return Brief(out, found[0], steps, said.getvalue(), warned.getvalue())
+        printed = {"said": said.getvalue(), "warned": warned.getvalue()}
+        return SimpleNamespace(folder=out, learned=found[0], steps=steps, **printed)
 
     return kept("learned_log", learned)

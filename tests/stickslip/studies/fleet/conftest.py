@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent))  # the jobs; workers import them
+sys.path.insert(0, str(Path(__file__).parent))  # fleet_jobs; workers import it
 
 
 @pytest.fixture(scope="module")
