@@ -435,7 +435,7 @@ def test_a_compensator_of_the_user_competes_like_the_others(tmp_path, monkeypatc
         for one in (cell, *alone.values())
     )  # fmt: skip
     assert len(runs) == len(single) == 2
-    assert runs != single
+    assert len({*runs}) == 2  # of each seed one, from the same start
     assert cell["tuned"]["lugre"]["cost"] <= alone["lugre", "mine"]["tuned"]["lugre"]["cost"]
     assert both < 0.5 * none
 
