@@ -20,6 +20,7 @@ ROOT = Path(__file__).parents[1]
 MADE_FROM = (
     *("fmi", "models", "cosim", "ga", "stickslip"),
     *(f"tests/stickslip/{room}conftest.py" for room in ("", "identification/")),
+    "tests/stickslip/brief.py",
 )
 PACKAGES = ("numpy", "scipy", "control", "cma", "pandas", "matplotlib", "jinja2")
 PLACE = cache_directory() / "tests"

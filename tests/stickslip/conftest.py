@@ -1,25 +1,32 @@
-"""One reproduction of the paper, and one short log, made once for all tests that judge them."""
+"""One reproduction, one short log and what is learned of it, made once for all tests of them."""
 
+import io
+from collections.abc import Iterator
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pandas as pd
 import pytest
 
 from stickslip.catalog.parameters import PAPER
+from stickslip.cli import main
 from stickslip.identification.stages import Identification, identify
 from stickslip.models import build_fmu
-from stickslip.output import SILENT, Progress
+from stickslip.output import SILENT, Progress, shown_by
 from stickslip.papers.lugre.folder import write_results
 from stickslip.papers.lugre.reproduction import Options, Reproduction, reproduce
 from stickslip.planning import LINEAR, plan
-from stickslip.presentation.page import Picture
 from stickslip.rigs.contract import COMMISSIONING
 from stickslip.rigs.fmu import FmuRig, rig_of
 from stickslip.servo.axis import LOOP, Axis, Datasheet
 from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
+from stickslip.studies.learn import log_learning
+from stickslip.studies.learn.learned import LearnedFromRecording
 from tests.kept import kept
+from tests.stickslip.brief import blank, briefly
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -38,10 +45,6 @@ def quiet() -> Progress:
 def without_pictures(monkeypatch):
     """Leave the figures of a report blank: drawing takes half of the time of a short learning."""
     monkeypatch.setattr("stickslip.presentation.page.Picture.of", blank)
-
-
-def blank(*_):
-    return Picture(b"", b"", 89.0)
 
 
 def reproduced(fmus: Path) -> Reproduction:
@@ -120,3 +123,39 @@ def log(tmp_path_factory):
     table = {"time": log.t, "position": log.x_enc, "force": log.F_m}
     pd.DataFrame(table)[::2].to_csv(path, index=False)
     return path
+
+
+@pytest.fixture(scope="module")
+def brief() -> Iterator[None]:
+    with briefly():
+        yield
+
+
+ASKED = ("--criterion", "inverse", "--seed", "3", "--compensator", "static+ekbf")
+
+
+@pytest.fixture(scope="session")
+def learned_log(log) -> SimpleNamespace:
+    """Return what the command learned of the short log, its folder and what was printed."""
+
+    def learned(folder: Path) -> SimpleNamespace:
+        steps, found, out = [], [], folder / "out"
+
+        def learn(*arguments, **options) -> LearnedFromRecording:
+            found.append(own(*arguments, **options))
+            return found[0]
+
+        own = log_learning.learn
+        with (
+            briefly() as patch,
+            redirect_stdout(io.StringIO()) as said,
+            redirect_stderr(io.StringIO()) as warned,
+            shown_by(lambda done, of: steps.append((done, of))),
+        ):
+            patch.setattr(log_learning, "learn", learn)
+            words = ["learn", "--log", str(log), *ASKED, "--workers", "1", "--out", str(out), "-v"]
+            assert main(words) == 0
+        printed = {"said": said.getvalue(), "warned": warned.getvalue()}
+        return SimpleNamespace(folder=out, learned=found[0], steps=steps, **printed)
+
+    return kept("learned_log", learned)

@@ -36,12 +36,12 @@ BLIND = [
 def found(rig):
     """Return all that identification and a short learning find, as exact text."""
     identification = identify(rig, LOOP)
-    v_cmd = TRAINING.sample(rig.samples(2.0))
+    v_cmd = TRAINING.sample(rig.samples(1.0))
     refined = refine(Study(rig, identification.loop, identification.tuned, v_cmd))
     study = LoopStudy(
         rig, tuned_pi(identification.loop), refined.values, limits=ga.Limits(evaluations=12)
     )
-    study = replace(study, models=fit_models(study))
+    study = replace(study, models=fit_models(study)[:1])
     loop = learn_loop(study)
     return repr(
         (

@@ -1,18 +1,21 @@
 """The workbench, as a user sees it in a browser."""
 
 import json
+import os
 import re
 import shutil
 import signal
 import subprocess
 import sys
 import zipfile
+from contextlib import contextmanager
 
 import pytest
 
 import stickslip as ss
 from stickslip.app.workbench import Workbench
 from stickslip.models import build_fmu
+from tests.kept import ROOT
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 pytest.importorskip("nicegui", reason="nicegui is not installed")
@@ -22,22 +25,43 @@ pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="the
 LONG = 300_000  # a learning, on a busy machine [ms]
 
 
-@pytest.fixture
-def server(tmp_path, log):
+BRIEF = "from tests.stickslip.brief import briefly\nbrief = briefly()\nbrief.__enter__()\n"
+"""What a process of Python runs when it starts, so that learning is brief."""
+
+
+@contextmanager
+def serving(folder, log, places=()):
     """Start the workbench of a folder; yield the process, its address and the folder."""
     text = log.read_text(encoding="utf-8").replace("time,position,force", "a,b,c", 1)
-    (tmp_path / "unnamed.csv").write_text(text, encoding="utf-8")
-    build_fmu("stage", tmp_path)
-    words = ["-m", "stickslip", "app", str(tmp_path), "--no-browser"]
-    with subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE, text=True) as process:
+    (folder / "unnamed.csv").write_text(text, encoding="utf-8")
+    build_fmu("stage", folder)
+    words = [sys.executable, "-m", "stickslip", "app", str(folder), "--no-browser"]
+    given = {"PYTHONPATH": os.pathsep.join(map(str, places))} if places else {}
+    with subprocess.Popen(
+        words, stdout=subprocess.PIPE, text=True, env=os.environ | given
+    ) as process:
         try:
             (address,) = re.findall(r"http\S+(?=;)", process.stdout.readline())
-            yield process, address, tmp_path
+            yield process, address, folder
         finally:
             process.terminate()
 
 
+@pytest.fixture(scope="module")
+def server(tmp_path_factory, log):
+    with serving(tmp_path_factory.mktemp("server"), log) as found:
+        yield found
+
+
 @pytest.fixture
+def brief_server(tmp_path_factory, log):
+    place = tmp_path_factory.mktemp("place")
+    (place / "sitecustomize.py").write_text(BRIEF)
+    with serving(tmp_path_factory.mktemp("server"), log, (place, ROOT)) as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
 def browser():
     with sync_api.sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
@@ -59,8 +83,8 @@ def choose(page, field, item):
     page.locator(".q-menu").wait_for(state="hidden")
 
 
-def test_from_a_dropped_log_to_the_downloaded_compensator(server, browser, log):
-    process, address, folder = server
+def test_from_a_dropped_log_to_the_downloaded_compensator(brief_server, browser, log):
+    process, address, folder = brief_server
     page = opened(browser, address)
     second = folder.parent / "second.csv"
     shutil.copy(log, second)

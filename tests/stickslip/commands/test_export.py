@@ -31,6 +31,8 @@ LOOPS = {
 LOOPS["filter"] = with_inertia(with_velocity_filter(LOOPS["paper"], Datasheet(), 6.0))
 LOOPS["cascade"] = LOOPS["weak"].changed(K_x=40.0, velocity_feedforward=0.3)
 SLOW = cosim.Trapezoid(height=5e-4, slope=0.01, plateau=1.0, begin=0.1)
+SHORT = cosim.Trapezoid(height=0.02, slope=0.4, plateau=0.1, begin=0.05)
+TRIED = {"loop": loop_document(LOOPS["paper"]), "validation": validation_document(SHORT)}
 
 
 @pytest.fixture
@@ -223,7 +225,7 @@ def test_export_reduces_a_force_that_would_hurt_a_drive_of_the_file(export, tmp_
         for n in LUGRE
     }
     drive = {"drive": "half the friction", "law": "lugre", "parameters": half, "level": 0.5}
-    entries = {"loop": loop_document(LOOPS["paper"]), "family": [drive]}
+    entries = {**TRIED, "family": [drive]}
     status, _, error = export("compensator", **entries)
     [line] = error.splitlines()
     share = float(line.split("warning: ")[1].split(" of the force is exported")[0])
@@ -239,7 +241,7 @@ def test_export_reduces_a_force_that_would_hurt_a_drive_of_the_file(export, tmp_
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("entries", [{"loop": loop_document(LOOPS["paper"])}, {}])
+@pytest.mark.parametrize("entries", [TRIED, {}])
 def test_force_exports_the_whole_force_whatever_share_the_file_has(export, tmp_path, entries):
     entries |= {"share": {"value": 0.6}, "tracking_error": [{"ratio": 0.5}]}
     for options, share in (((), 0.6), (("--force",), 1.0)):
@@ -272,7 +274,7 @@ def test_export_refuses_what_makes_the_loop_worse_unless_forced(export, tmp_path
     friction = {**{name: PAPER[name] for name in LUGRE}, "F_c": 0.06, "F_s": 0.09}
     slippery = {name: {"value": value, "unit": UNITS[name]} for name, value in friction.items()}
     drive = {"drive": "hardly any friction", "law": "lugre", "parameters": slippery}
-    entries = {"loop": loop_document(LOOPS["paper"]), "family": [drive]}
+    entries = {**TRIED, "family": [drive]}
     status, _, error = export("compensator", **entries)
     *lines, last = error.splitlines()
     assert status == 1

@@ -1,10 +1,11 @@
-"""Jobs that stand for learning: quick, and misbehaving where a drive's name says so."""
+"""Jobs that stand for learning: quick, brief, and misbehaving where a name says so."""
 
 import json
 import os
 import signal
 import time
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from stickslip.learned.writing import SCHEMA, versions
@@ -48,3 +49,16 @@ class Counting:
         with self.diary.open("a", encoding="utf-8") as diary:
             print(drive.name, file=diary)
         return quick(drive, seed)
+
+
+def brief(drive, seed, on_stage=None):
+    """Learn a drive briefly, for one compensator; write down in which process."""
+    from stickslip.studies.fleet import study  # takes seconds, and the other jobs do without
+    from stickslip.studies.learn.log_learning import learn
+    from tests.stickslip.brief import briefly
+
+    with briefly() as patch:
+        patch.setattr(study, "learn", partial(learn, law="lugre", compensator="static"))
+        outcome = study.learn_drive(drive, seed, on_stage)
+    drive.files["log"].with_name(f"{drive.name}.pid").write_text(str(os.getpid()))
+    return outcome

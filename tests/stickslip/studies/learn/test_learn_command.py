@@ -2,8 +2,6 @@
 
 import io
 import json
-from contextlib import redirect_stderr, redirect_stdout
-from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
@@ -16,50 +14,16 @@ from stickslip.app.workbench import LOGS, Workbench
 from stickslip.cli import main
 from stickslip.commandline.progress import TerminalProgress
 from stickslip.identification.criteria.motion import Scale
-from stickslip.identification.estimation import Search
-from stickslip.output import shown_by, steps
-from stickslip.presentation.page import Picture
+from stickslip.output import steps
 from stickslip.studies.learn.folder import FILES
+from tests.stickslip.conftest import ASKED
 
-pytestmark = pytest.mark.slow
-
-
-ARGUMENTS = ["--criterion", "inverse", "--seed", "3"]
-ARGUMENTS += ["--compensator", "static+ekbf"]
-STEPS: list[tuple[int, int]] = []
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("brief")]
 
 
-@pytest.fixture(scope="module", autouse=True)
-def _short():
-    """Search for a short time, and leave the figures of the page blank."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stickslip.identification.estimation.Search", partial(Search, evaluations=40))
-        patch.setattr("stickslip.presentation.page.Picture.of", lambda *_: Picture(b"", b"", 89.0))
-        yield
-
-
-@pytest.fixture(scope="module")
-def learned(log, tmp_path_factory):
-    """Return a folder of results, its learned.json, and what was printed."""
-    out = tmp_path_factory.mktemp("learned") / "out"
-    arguments = ["learn", "--log", str(log), *ARGUMENTS, "--workers", "1", "--out", str(out), "-v"]
-    with (
-        redirect_stdout(io.StringIO()) as said,
-        redirect_stderr(io.StringIO()) as warned,
-        shown_by(lambda done, of: STEPS.append((done, of))),
-    ):
-        assert main(arguments) == 0
-    document = json.loads((out / "learned.json").read_text())
-    return out, document, said.getvalue(), warned.getvalue()
-
-
-@pytest.fixture(scope="module")
-def folder(learned):
-    return learned[0]
-
-
-def test_the_folder_is_whole_and_keeps_no_checkpoint(learned):
-    folder, document, *_ = learned
+def test_the_folder_is_whole_and_keeps_no_checkpoint(learned_log):
+    folder = learned_log.folder
+    document = json.loads((folder / "learned.json").read_text())
     assert main(["verify", str(folder)]) == 0
     parts = {name for name in FILES if name.endswith(".fmu")} - {*document["written"]["files"]}
     absent = {name for name in FILES if f"{Path(name).stem}.fmu" in parts}
@@ -68,13 +32,13 @@ def test_the_folder_is_whole_and_keeps_no_checkpoint(learned):
     assert not [name for name in FILES if "checkpoint" in name]
 
 
-@pytest.mark.usefixtures("learned")
-def test_searching_judging_and_trying_tell_how_far_they_are():
-    judged = STEPS.index((2, 3))
-    assert STEPS[0] == (0, 5)  # laws
-    assert (0, 3) in STEPS  # starts of a fit, which ends when two lead to the same minimum
-    assert STEPS[judged : judged + 2] == [(2, 3), (3, 3)]
-    tried = STEPS[judged + 2 :]
+def test_searching_judging_and_trying_tell_how_far_they_are(learned_log):
+    steps = learned_log.steps
+    judged = steps.index((2, 3))
+    assert steps[0] == (0, 5)  # laws
+    assert (0, 3) in steps  # starts of a fit, which ends when two lead to the same minimum
+    assert steps[judged : judged + 2] == [(2, 3), (3, 3)]
+    tried = steps[judged + 2 :]
     assert len(tried) > 100
     assert all(end is None for _, end in tried)  # a count of what was tried, which never falls
     assert all(b[0] - a[0] in (0, 1) for a, b in pairwise(tried))
@@ -110,16 +74,17 @@ def test_the_bar_of_a_search_shows_its_cost_and_the_remaining_time(monkeypatch):
     assert "best cost 1e-10" in shown  # 1e-6 of that unit squared
 
 
-def test_with_other_workers_no_byte_differs(log, folder, tmp_path):
-    out = tmp_path / "out"
-    assert main(["learn", "--log", str(log), *ARGUMENTS, "--workers", "3", "--out", str(out)]) == 0
+def test_with_other_workers_no_byte_differs(log, learned_log, tmp_path):
+    out, folder = tmp_path / "out", learned_log.folder
+    assert main(["learn", "--log", str(log), *ASKED, "--workers", "3", "--out", str(out)]) == 0
     for whole in filter(Path.is_file, folder.rglob("*")):
         assert (out / whole.relative_to(folder)).read_bytes() == whole.read_bytes(), whole.name
 
 
-def test_it_prints_and_writes_whether_compensation_helps(learned):
+def test_it_prints_and_writes_whether_compensation_helps(learned_log):
     """The median over the drives of a level grows in no motion by more than 2 %."""
-    folder, document, out, error = learned
+    folder, out, error = learned_log.folder, learned_log.said, learned_log.warned
+    document = json.loads((folder / "learned.json").read_text())
     predicted = document["predicted_error"]
     assert {row["friction"] for row in predicted if row["decides"]} == {0.7, 1.0, 1.3}
     assert {row["friction"] for row in predicted if not row["decides"]} == {0.5, 2.0}
@@ -147,7 +112,7 @@ def test_it_prints_and_writes_whether_compensation_helps(learned):
 def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsys, monkeypatch):
     """The check before learning sees only clear masses; here it sees none."""
     arguments = ["learn", "--log", str(log), "--scale", "force=5e-5", "--criterion", "inverse"]
-    arguments += ["--out", str(tmp_path)]
+    arguments += ["--law", "lugre", "--out", str(tmp_path)]
     assert main(arguments) == 1
     assert "kg, less than 0.001 kg" in capsys.readouterr().err
     module = "stickslip.studies.learn.log_learning"

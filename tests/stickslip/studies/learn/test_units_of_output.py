@@ -9,7 +9,6 @@ import json
 import re
 import zipfile
 from contextlib import redirect_stderr, redirect_stdout
-from functools import partial
 from io import StringIO
 
 import numpy as np
@@ -17,11 +16,9 @@ import pytest
 
 from campaigns.sound_drives import simulator
 from stickslip.cli import main
-from stickslip.identification.estimation import Search
-from stickslip.presentation.page import Picture
 from tests.kept import further
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("brief")]
 
 # m, F_c, F_s, v_s, deflection, b, top speed
 DRIVES = {
@@ -33,7 +30,6 @@ UNITS = {
     "linear": ("position [m]", "velocity [m/s]", "force [N]", "velocity_command [m/s]"),
 }
 NUMBER = r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?"
-SHORT = partial(Search, evaluations=40)
 OF_LINEAR = re.compile(
     rf"(?:(?<![\w.]){NUMBER}[ \u00a0]|\[|nit=\"|nit\": \")"
     r"(N/[mµu]?m|N[ .]s/m|[mµuk]?N|kg|[mµun]?m/s2?|[mµun]?m)"
@@ -62,22 +58,19 @@ def output(request, tmp_path_factory):
     np.savetxt(log, simulated(*DRIVES[kind]), "%.9g", ",", header=head, comments="")
     learned = out / "learned.json"
     printed = {}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stickslip.identification.estimation.Search", SHORT)
-        patch.setattr("stickslip.presentation.page.Picture.of", lambda *_: Picture(b"", b"", 89.0))
-        for command in (
-            ["learn", log, "--check"],
-            ["learn", log, "--out", out, "--force", "-v"],
-            *(
-                ["export", what, "--parameters", learned, "--as", form, "--force", "--out", folder]
-                for what in ("compensator", "observer")
-                for form in ("fmu", "c", "st")
-            ),
-            ["validate", learned, "--log", log, "--out", folder / "validated"],
-        ):
-            with redirect_stdout(StringIO()) as said, redirect_stderr(StringIO()) as warned:
-                assert main([str(word) for word in command]) == 0, warned.getvalue()
-            printed[" ".join(map(str, command))] = said.getvalue() + warned.getvalue()
+    for command in (
+        ["learn", log, "--check"],
+        ["learn", log, "--out", out, "--force", "-v"],
+        *(
+            ["export", what, "--parameters", learned, "--as", form, "--force", "--out", folder]
+            for what in ("compensator", "observer")
+            for form in ("fmu", "c", "st")
+        ),
+        ["validate", learned, "--log", log, "--out", folder / "validated"],
+    ):
+        with redirect_stdout(StringIO()) as said, redirect_stderr(StringIO()) as warned:
+            assert main([str(word) for word in command]) == 0, warned.getvalue()
+        printed[" ".join(map(str, command))] = said.getvalue() + warned.getvalue()
     return kind, json.loads(learned.read_text("utf-8")), printed | dict(written(folder, log))
 
 

@@ -12,16 +12,14 @@ from fmpy import read_model_description
 
 from stickslip.cli import main
 from stickslip.cosim import Fmu
-from stickslip.identification.estimation import Search
 from stickslip.learned.deploying import deployed_blocks
 from stickslip.learned.file import LearnedFile
 from stickslip.learned.provenance import provenance
-from stickslip.logs import Description, Finding
+from stickslip.logs import Finding
 from stickslip.models.firmware import write_compensator
 from stickslip.presentation.quantity import number
 from stickslip.servo.axis import ControlError
 from stickslip.studies.learn.folder import write_learned
-from stickslip.studies.learn.log_learning import learn
 from stickslip.trial.benefit import Benefit, Variant
 from stickslip.trial.candidates import Row
 
@@ -32,9 +30,8 @@ FMUS = {"compensator.fmu", "observer.fmu"}
 
 
 @pytest.fixture(scope="module")
-def sound(log):
-    asked = {"compensator": "static+ekbf", "search": Search(evaluations=40)}
-    learned = learn(log, Description(), criterion="inverse model", **asked)
+def sound(learned_log):
+    learned = learned_log.learned
     assert learned.choice == "feedforward + observer"
     assert not learned.refusal
     return learned
