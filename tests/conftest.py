@@ -22,8 +22,8 @@ from threadpoolctl import threadpool_limits
 HERE = Path(__file__).parent
 FIRST = (
     *("examples/test_notebooks", "examples/test_pages", "stickslip/papers/lugre/test_results"),
-    *("stickslip/tuning/test_loop_learning", "stickslip/identification/test_measured_logs"),
-    *("stickslip/tuning/test_refinement", "stickslip/studies/learn/test_learn_command"),
+    *("stickslip/studies/arena/test_arena", "stickslip/identification/test_measured_logs"),
+    *("stickslip/studies/learn/test_learn_command", "stickslip/studies/tune/test_tune_drive"),
 )
 """Files that take longest, so that none of them is left to the end."""
 CASES = 1

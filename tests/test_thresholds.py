@@ -70,8 +70,8 @@ from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet
 from stickslip.servo.measurement import smoothed
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.studies.learn import log_learning
-from stickslip.studies.tune.on_rig import RigTest
 from stickslip.studies.learn.verdict import LoopShare
+from stickslip.studies.tune.on_rig import RigTest
 from stickslip.studies.validate import compared_logs, log_prediction, log_verdict
 from stickslip.trial import compensator_trial
 from stickslip.trial.benefit import NONE, MotionErrors, TrialError, is_harmless

@@ -91,8 +91,8 @@ class LoopShare:
         return (
             f"the loop as described errs by {number(self.without, 3)} {self.unit} RMS in simulation"
             f" and by {number(self.measured, 3)} in the log; expected the same within a factor of"
-            f" {control_match.ERRS_ALIKE:g}; check gains, feedforward, units and the limit of the force,"
-            " or leave the controller out"
+            f" {control_match.ERRS_ALIKE:g}; check gains, feedforward, units and the limit of the"
+            " force, or leave the controller out"
         )
 
 

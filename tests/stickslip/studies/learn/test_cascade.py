@@ -14,7 +14,7 @@ from stickslip.errors import UsageError
 from stickslip.identification.estimation import LearnSettings
 from stickslip.learned.file import LearnedFile
 from stickslip.learned.writing import loop_document
-from stickslip.logs import Description, Recording
+from stickslip.logs import Description, Recording, read_and_check
 from stickslip.logs.description import Controller
 from stickslip.logs.reading import read_recording, with_velocity_command
 from stickslip.loops.drive_loop import DriveLoop
@@ -30,7 +30,8 @@ from stickslip.servo.velocity_loop import (
 )
 from stickslip.studies.learn.folder import write_learned
 from stickslip.studies.learn.learned import LearnedFromRecording
-from stickslip.studies.learn.log_learning import learn, with_other_gains
+from stickslip.studies.learn.log_learning import learn, with_other_gains, with_tracking
+from stickslip.studies.learn.verdict import verdict_of
 from stickslip.studies.tune.run import masses_of
 from stickslip.studies.validate.log_validation import read_log
 from stickslip.trial.family import Drive, commands
@@ -145,6 +146,12 @@ def test_a_log_of_a_cascade_gives_the_drive_and_less_position_error(tmp_path):
     assert {row.figure for row in learned.trial.benefit.rows} == {"velocity", "position"}
     assert set(learned.trial.holds) == {"none", learned.trial.compared.chosen.name}
     assert not learned.refusal
+    slow = {**learned.estimation.gains, "K_x": 15.0}  # with which the drive lags more than the log
+    lagging = replace(learned, estimation=replace(learned.estimation, gains=slow))
+    doubted = with_tracking(read_and_check(tmp_path / "log.csv", given)[0], lagging)
+    assert "expected the same within a factor of 1.5" in doubted.refusal
+    assert not doubted.writes()
+    assert "loop cannot be right" in verdict_of(doubted).headline
     told = learned.other_gains
     fixed = with_other_gains(replace(learned, other_gains=None), LearnSettings(fixed_gains=True))
     assert fixed.other_gains is None
