@@ -342,7 +342,8 @@ class Bench:
     def fmus(self, law: str, chain: Sequence[Compensator]) -> Path:
         """Return the folder of a loop with a drive of a law; its FMUs are built on first use."""
         folder = self.folder / law
-        kinds = {"drive": ("drive", law)} | {name: (name, None) for name in CONTROL}
+        kinds: dict[str, tuple[str, str | None]] = {"drive": ("drive", law)}
+        kinds |= {name: (name, None) for name in CONTROL}
         for one in chain:
             own = one.law or self.law.name if one.model == FEEDFORWARD else None
             kinds[one.file or one.model] = one.model, own
