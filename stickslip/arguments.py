@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -39,7 +40,10 @@ def checked(function: F) -> F:
     name = function.__qualname__.removesuffix(".__init__")
     taken = signature(function)
     names = [*taken.parameters]
-    free = any(one.kind is Parameter.VAR_KEYWORD for one in taken.parameters.values())
+    kinds = {one.kind for one in taken.parameters.values()}
+    free = Parameter.VAR_KEYWORD in kinds
+    named = [key for key, one in taken.parameters.items() if one.kind is Parameter.KEYWORD_ONLY]
+    most = math.inf if Parameter.VAR_POSITIONAL in kinds else len(names) - len(named) - free
 
     @wraps(function)
     def call(*args: object, **given: object) -> object:
@@ -47,6 +51,9 @@ def checked(function: F) -> F:
             if key not in taken.parameters:
                 known = [one for one in names if one != "self"]
                 raise TypeError(f"{name} has no argument {key!r}{suggestion(key, known)}")
+        if len(args) > most:
+            first, wanted = printable(repr(args[int(most)]), 80), ", ".join(named) or "none"
+            raise TypeError(f"{name}: {first}: give it by name; arguments with a name: {wanted}")
         try:
             return function(*args, **given)
         except Fault:

@@ -56,6 +56,11 @@ def test_a_method_names_itself_and_what_may_have_been_meant():
         ss.System("loop").simulate(stop_time=1.0)
 
 
+def test_a_value_without_a_name_that_needs_one_gets_the_names():
+    with pytest.raises(TypeError, match=r"^System.simulate: 4.0: give it by name; .*\bstop\b"):
+        ss.System("loop").simulate(4.0)
+
+
 def test_lists_and_series_are_arrays():
     assert ss.Table([0.0, 0.3], pd.Series([1.0, 2.0])).time[1] == 0.3
 

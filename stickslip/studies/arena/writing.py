@@ -2,6 +2,7 @@
 
 import shutil
 from contextlib import suppress
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,8 @@ def write_arena(arena: Arena, table: pd.DataFrame, folder: Path) -> None:
     plan = arena.plan
     drives, entrants = [drive.name for drive in plan.drives], list(plan.entrants)
     command = {"name": "arena", "drives": drives, "compensators": entrants}
+    command |= {name: getattr(plan, name) for name in ("starts", "tunings", "seed")}
+    command |= asdict(plan.budget)
     ranking = entrant_table(table, plan).frame()
     tables = {TABLE: table, RANKING: ranking}
     errors, within = relative_errors(table, plan, carried=False), robust(table)

@@ -311,6 +311,9 @@ def test_the_page_has_the_error_of_each_cell_and_of_each_motion(arena):
         assert [text.get_text() for text in axes.texts] == [
             f"{value:.2f}" for value in wide.to_numpy().ravel()
         ]
+    command = json.loads((folder / "manifest.json").read_text())["command"]
+    assert command["evaluations"] == found.plan.budget.evaluations
+    assert {"seed", "tunings", "starts", "seconds"} <= {*command}
     page = (folder / "arena.html").read_text(encoding="utf-8")
     slow = relative_errors(table, plan, carried=False, command="R")
     assert all(f">{number(value, 3)}<" in page for value in slow.to_numpy().ravel())
