@@ -190,9 +190,9 @@ def _headline(
     learned: LearnedFromRecording, files: Sequence[str], loop: LoopShare | None, *, force: bool
 ) -> str:
     compared = learned.trial and learned.trial.compared
-    if learned.doubt and not files:
-        return "no compensator is written: learned values or loop cannot be right, see the warning"
-    if loop and not loop.friction_matters and not learned.doubt:
+    if loop and loop.mismatch and not files:
+        return "no compensator is written: the loop as described is not that of the log"
+    if loop and not loop.friction_matters and not loop.mismatch:
         most = f"{number(100 * loop.share, 3)} % of the {loop.figure} error stays without any"
         start = f"friction is not the problem: {most} friction"
         if not files:

@@ -151,7 +151,7 @@ def test_a_log_of_a_cascade_gives_the_drive_and_less_position_error(tmp_path):
     doubted = with_tracking(read_and_check(tmp_path / "log.csv", given)[0], lagging)
     assert "expected the same within a factor of 1.5" in doubted.refusal
     assert not doubted.writes()
-    assert "loop cannot be right" in verdict_of(doubted).headline
+    assert "is not that of the log" in verdict_of(doubted).headline
     told = learned.other_gains
     fixed = with_other_gains(replace(learned, other_gains=None), LearnSettings(fixed_gains=True))
     assert fixed.other_gains is None

@@ -102,7 +102,7 @@ def test_fmus_run_what_is_written_and_lanes_only_candidates(cost, monkeypatch):
 def test_a_candidate_runs_as_a_loop_that_is_built_for_it(cost):
     one, cell = cost.start.with_values(CHANGED), cost.cells[0]
     drive, command = cell
-    folder, T_s = cost.bench.folder_of(drive.law), one.loop.T_s
+    folder, T_s = cost.bench.fmus(drive.law, one.chain), one.loop.T_s
     whole = ss.Specification(
         build_loop(folder, one.loop, one.chain),
         step=T_s,
