@@ -232,6 +232,8 @@ def check_deployment(folder, tuned):
         assert (folder / "deploy" / f"{block.name}.c").exists()
     assert (folder / "deploy" / "added_force.xml").exists()
     page = re.sub("<[^>]*>", "", (folder / "deploy" / "steps.html").read_text(encoding="utf-8"))
+    used = {"Position": tuned.loop.K_x, "Acceleration": tuned.loop.m_ff}
+    assert {name: f"{name} command" in page for name in used} == {n: x > 0 for n, x in used.items()}
     enter = next(line for line in page.splitlines() if "enter the tuned gains" in line.lower())
     stop = page[page.index("Set the gain to 0 at once") :]
     gains = 0
