@@ -25,7 +25,8 @@ NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
 WITHIN = {"arena": 0.3}
 """Relative differences of numbers; 0.02 where not given. A short search depends on rounding."""
 NAMES = {path.stem: path for path in NOTEBOOKS}
-LONG = ("arena", "compensators", "laws", "learn_from_a_log", "loop_design", "phenomena")
+LONG = {*("arena", "compensators", "frequency_response", "laws", "learn_from_a_log")}
+LONG |= {*("loop_design", "phenomena", "sweep_and_optimise")}
 """They take most of the time of all, for calls that other tests and pages make as well."""
 
 
@@ -87,7 +88,7 @@ def test_uses_public_names_only(name):
                 assert not node.attr.startswith("_")
 
 
-@pytest.mark.parametrize("name", [*sorted(NAMES.keys() - {*LONG}), *further(*LONG)])
+@pytest.mark.parametrize("name", [*sorted(NAMES.keys() - LONG), *further(*sorted(LONG))])
 def test_gives_what_is_stored(name):
     """Text is the same, and numbers agree; pictures are as many."""
     now, then, within = execute(NAMES[name]), stored(name), WITHIN.get(name, 0.02)

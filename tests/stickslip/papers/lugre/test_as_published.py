@@ -59,6 +59,7 @@ def test_the_search_lowers_the_cost_and_least_squares_does_so_in_a_fraction_of_i
     assert study.cost_without > 3 * np.median(study.costs(OURS))
 
 
+@pytest.mark.thorough
 def test_seeds_side_by_side_learn_what_they_learn_alone(drive, study):
     alone = study_as_published(*drive, [1], settings=SHORT)
     last = study.fitness().groupby("seed").tail(1)
@@ -117,6 +118,7 @@ def folder(tmp_path_factory):
     return folder
 
 
+@pytest.mark.thorough
 def test_all_files_are_there_and_tell_the_seed(folder):
     assert {path.name for path in folder.iterdir()} == {*PUBLISHED_FILES, "manifest.json"}
     for name in ("fitness", "learned"):

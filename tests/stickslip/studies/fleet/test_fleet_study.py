@@ -14,6 +14,7 @@ from stickslip.studies.fleet.study import learn_fleet
 from stickslip.studies.fleet.table import read_fleet
 from stickslip.studies.fleet.writing import fleet_table, write_fleet
 from stickslip.work.jobs import DIED, Execution
+from tests.kept import further
 
 pytestmark = pytest.mark.slow
 
@@ -103,14 +104,19 @@ def test_files_of_the_user_survive_a_study_that_fails_and_resumes(drives, tmp_pa
     assert {path for path in (out / "unfinished").rglob("*") if path.is_file()} < mine
 
 
-def test_a_fleet_is_the_same_in_processes_of_dask(log, cluster, tmp_path, capsys, monkeypatch):
+@pytest.mark.parametrize("places", [["here"], *further(["here", "dask"])])
+def test_a_fleet_is_the_same_in_processes_of_dask(
+    log, places, request, tmp_path, capsys, monkeypatch
+):
     table = tmp_path / "table.csv"
     shutil.copy(log, tmp_path)
     table.write_text("name,log\ngood,log.csv\nmissing,none.csv\n")
     module = "stickslip.studies.fleet.study.learn_fleet"
     monkeypatch.setattr(module, partial(learn_fleet, job=brief))
-    where = {"here": ["--workers", "1"], "dask": ["--cluster", cluster]}
-    for name, options in where.items():
+    for name in places:
+        options = ["--workers", "1"]
+        if name == "dask":
+            options = ["--cluster", request.getfixturevalue("cluster")]
         assert main(["fleet", str(table), "--out", str(tmp_path / name), *options]) == 1
         out, error = capsys.readouterr()
         assert "missing  failed: none.csv: cannot be read" in out
@@ -122,7 +128,7 @@ def test_a_fleet_is_the_same_in_processes_of_dask(log, cluster, tmp_path, capsys
     names = {f"fleet.{ending}" for ending in ("csv", "html", "json", "png", "svg")}
     names |= {"learned.json", "manifest.json", "summary.csv"}
     assert {path.name for path in results} == names
-    assert files(tmp_path / "dask") == results
+    assert all(files(tmp_path / name) == results for name in places)
     rows = pd.read_csv(tmp_path / "here" / "fleet.csv").set_index(["name", "parameter"])
     assert rows["value"]["good", "m"] == pytest.approx(8.0, rel=0.05)  # 2 s at 1 kHz
     assert rows["value"]["good", "F_c"] == pytest.approx(4.0, rel=0.05)

@@ -74,6 +74,7 @@ def test_the_bar_of_a_search_shows_its_cost_and_the_remaining_time(monkeypatch):
     assert "best cost 1e-10" in shown  # 1e-6 of that unit squared
 
 
+@pytest.mark.thorough
 def test_with_other_workers_no_byte_differs(log, learned_log, tmp_path):
     out, folder = tmp_path / "out", learned_log.folder
     assert main(["learn", "--log", str(log), *ASKED, "--workers", "3", "--out", str(out)]) == 0
