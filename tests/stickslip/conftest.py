@@ -25,6 +25,7 @@ from stickslip.servo.systems import build_fmus
 from stickslip.servo.velocity_loop import VelocityLoop, design_velocity_loop
 from stickslip.studies.learn import log_learning
 from stickslip.studies.learn.learned import LearnedFromRecording
+from stickslip.tuning.loop_learning import EVALUATIONS
 from tests.kept import kept
 from tests.stickslip.brief import blank, briefly
 
@@ -48,7 +49,9 @@ def without_pictures(monkeypatch):
 
 
 def reproduced(fmus: Path) -> Reproduction:
-    return reproduce(Options(seeds=1), fmus, SILENT, 2)
+    with pytest.MonkeyPatch.context() as patch:  # a third of the search learns nearly the same
+        patch.setattr("stickslip.tuning.loop_learning.EVALUATIONS", EVALUATIONS // 3)
+        return reproduce(Options(seeds=1), fmus, SILENT, 2)
 
 
 @pytest.fixture(scope="session")
