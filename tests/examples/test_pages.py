@@ -137,8 +137,10 @@ def printed(tutorial, tmp_path_factory):
     return printed
 
 
-LONG = {"docs/arena", "docs/fleet", "docs/learning", "docs/rig", "docs/tuning"}
-"""Pages whose commands learn and tune further drives, or compare compensators."""
+LONG = {
+    f"docs/{name}" for name in ("arena", "export", "fleet", "learning", "rig", "robots", "tuning")
+}
+"""Pages whose commands learn and tune further drives, compare compensators, or export often."""
 RUN = [
     str(page.relative_to(ROOT).with_suffix(""))
     for page in PAGES
