@@ -69,7 +69,7 @@ from stickslip.servo import observer
 from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet
 from stickslip.servo.measurement import smoothed
 from stickslip.servo.velocity_loop import design_velocity_loop
-from stickslip.studies.learn import log_learning
+from stickslip.studies.learn import controller_findings
 from stickslip.studies.learn.verdict import LoopShare
 from stickslip.studies.tune.on_rig import RigTest
 from stickslip.studies.validate import compared_logs, log_prediction, log_verdict
@@ -211,15 +211,17 @@ def criterion(error):
 def is_foreign(error):
     """Return whether a rig's log whose controller differs is warned of."""
     scale = namespace(recording=lambda one: one, values=lambda one: one)
-    reading = namespace(controller=namespace(parameters=dict), recording=None)
+    reading = namespace(controller=namespace(parameters=dict), recording=namespace(force=1.0))
+    alone = {"aligned": lambda one, _: one, "samples_late": lambda _: 0}
     with patch.multiple(
-        log_learning,
+        controller_findings,
+        **alone,
         recording_scale=lambda _: scale,
         against_motion=lambda one: (one, ()),
         candidate_fmus=nullcontext,
         check_controller=lambda *_: checked(error),
     ):
-        return bool(list(log_learning.check_rig(reading)))
+        return bool(list(controller_findings.check_rig(reading)))
 
 
 def scale_of_force(noise):

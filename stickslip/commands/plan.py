@@ -59,7 +59,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     travel = "how far below and above the start the drive may go; one value for both"
     add_options(parser, {"--travel M": travel}, nargs="+")
     rate = {"--rate HZ": f"samples per second (default {LINEAR.rate:g})"}
-    add_options(parser, rate, type=float)
+    add_options(parser, rate, type=_rate)
     show = f"give more time to these parameters: {', '.join(SHOWN)} (gravity, cogging)"
     add_options(parser, {"--show PARAMETER": show}, **SEVERAL)
     group = parser.add_argument_group("the drive", "With these, it is printed what will not show.")
@@ -129,6 +129,13 @@ def _write_set(options: argparse.Namespace) -> Answer:
     print(*missing, sep="\n")
     print(f"record each, save its log under the name in {table}, and: stickslip learn {table}")
     return Answer({"written": [*paths.values(), table], "not_shown": missing})
+
+
+def _rate(text: str) -> float:
+    """Return a frequency [Hz], given as a number, in Hz or in kHz; or raise."""
+    bare = text.strip().removesuffix("Hz")
+    is_kilo = bare != text.strip() and bare.endswith("k")
+    return positive(bare.removesuffix("k")) * 1e3 if is_kilo else positive(bare)
 
 
 def _limits(options: argparse.Namespace) -> tuple[Limits, Unit, DataSheet]:

@@ -111,7 +111,7 @@ def _steps(
         )
     if "compensator" in names:
         known = [one.partition(": ")[2] for one in checks if one.startswith("drive disabled: ")]
-        output = known or ["a positive velocity command must give a positive output"]
+        output = known or ["a slow positive velocity command must give a positive output"]
         where = "F_ff of the compensator (in C: added.compensator.outputs.F_ff), not F of the call"
         seen = f"{where}: {output[0]}"
         yield "disable the drive and give commands", seen, repair
@@ -152,8 +152,8 @@ def _steps(
         yield (
             "run the motions of the machine",
             f"share that is left of the error that friction causes, as predicted: {left}",
-            "record a log; stickslip validate learned.json --log LOG compares it with what was"
-            " learned",
+            "record a log with the added force and one without it, and compare them as"
+            " docs/results.md says, with ../learned.json",
         )
 
 

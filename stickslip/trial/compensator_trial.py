@@ -35,7 +35,7 @@ class Loops(NamedTuple):
 
     plain: VelocityLoop  # without compensation
     compensated: VelocityLoop  # in which the compensator runs
-    foreign: str = ""  # why the drive does not run in them; empty where it does
+    foreign: str = ""  # whose they are, and why not the drive's; empty where they are
 
     @property
     def known(self) -> bool:
@@ -327,7 +327,9 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
     if controller.P_x or controller.I_x:
         foreign = "its controller has gains P_x or I_x of the position, which the trial has not"
     elif check is not None and check.error > control_match.EXACT:
-        foreign = f"its controller differs from the logged force by {100.0 * check.error:.2g} %"
+        foreign = (
+            f"the described controller differs from the logged force by {100.0 * check.error:.2g} %"
+        )
     elif controller.K_p:
         gains = {name: getattr(controller, name) for name in ("tau_f", "K_p", "K_i", "K_x")}
         share = controller.velocity_feedforward
@@ -345,13 +347,13 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
         K_p, K_i = shown
         with suppress(ControlError):
             loop = close_velocity_loop(axis, T_s, T_s, K_p, K_i=K_i)
-            return Loops(loop, loop, foreign)
+            return Loops(loop, loop, f"to which the log points: {foreign}")
     slower, margin = 1.0, LOOP.phase_margin
     if reading.recording.velocity_command is not None:
         slower, margin = CAUTIOUS
     bandwidth = slower * LOOP.bandwidth * LOOP.T_s / T_s
     loop = design_velocity_loop(axis, LoopSpecification(bandwidth, margin, T_s, T_s))
-    return Loops(loop, loop, foreign)
+    return Loops(loop, loop, f"which is not the log's: {foreign}")
 
 
 def shown_gains(recording: Recording) -> tuple[float, float] | None:

@@ -12,6 +12,7 @@ import math
 import shutil
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -125,13 +126,18 @@ def run(options: argparse.Namespace) -> Answer:
     if options.compensator != "auto":
         require_parts(options.compensator)
     if options.check:
-        from stickslip.identification.sliding.checked_logs import Refused, check_logs
+        from stickslip.identification.sliding.checked_logs import Checked, Refused, check_logs
         from stickslip.logs.sets import logs_of
 
         every: list[Finding] = []
         refused: list[RecordingError] = []
         logs = logs_of(options.log, description)
-        for log, one in zip(logs, check_logs(logs, alone=True), strict=True):
+        for log, checked in zip(logs, check_logs(logs, alone=True), strict=True):
+            one = checked
+            if isinstance(one, Checked) and one.reading.controller.parameters():
+                from stickslip.studies.learn.controller_findings import check_description
+
+                one = replace(one, findings=(*one.findings, *check_description(one.reading)))
             refuses = isinstance(one, Refused)
             print(f"{log.path}: {_headline(one.findings, refused=refuses)}")
             TerminalProgress().findings(one.findings)

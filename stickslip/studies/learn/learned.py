@@ -253,7 +253,7 @@ class LearnedFromRecording(Learned):
         loop, foreign = self.designed.compensated, self.designed.foreign
         where = (
             f"compensators were tried in a PI velocity loop with K_p = {loop.K_p:.4g} and K_i ="
-            f" {loop.K_i:.4g}, which is not the log's: {foreign}"
+            f" {loop.K_i:.4g}, {foreign}"
         )
         return (*([with_settings(where)] if foreign else []), *self.trial.warnings)
 

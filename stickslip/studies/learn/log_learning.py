@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -24,9 +24,7 @@ from stickslip.evaluation.tracking import (
     simulate,
 )
 from stickslip.fmi.files import digest
-from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.known_loop import is_running
-from stickslip.identification.criteria.motion import against_motion, recording_scale
 from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.estimation import CriterionName, LearnSettings, Search
 from stickslip.identification.sliding.checked_logs import Checked, Refused, check_logs, joined
@@ -54,6 +52,7 @@ from stickslip.planning import LINEAR, Limits
 from stickslip.rigs.contract import Rig
 from stickslip.servo.axis import ControlError
 from stickslip.servo.observer import masses_between
+from stickslip.studies.learn.controller_findings import check_rig
 from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording
 from stickslip.studies.learn.predicted_logs import predicted_logs
 from stickslip.studies.learn.recorded import read_rig
@@ -66,30 +65,6 @@ from stickslip.trial.observed import BOTH, FEEDFORWARD
 
 SETTLING = 0.02
 """Share of a log that does not count where it begins in motion: the compensator has to start."""
-
-
-def check_rig(reading: Reading) -> Iterator[Finding]:
-    """Yield a finding if the force of a rig's log is not that of the loop that it was sent.
-
-    A force that is only out of scale is a finding of the estimation.
-    """
-    gains = reading.controller.parameters()
-    if gains is None:
-        return
-    scale = recording_scale(reading.recording)
-    scaled, _ = against_motion(scale.recording(reading.recording))
-    with candidate_fmus() as fmus:
-        check = check_controller(fmus, scaled, scale.values(gains))
-    if check.error > control_match.FOREIGN and check.factor == 1.0:
-        yield Finding(
-            "warning",
-            "the rig's log is not that of the loop and the command that it was sent",
-            f"the controller's force differs by {check.error:.2g} of the logged one; expected at "
-            f"most {control_match.FOREIGN:g}",
-            "check that move returns time in s, position in m and force in N with their signs, and "
-            "applies the gains",
-            spoils="values",
-        )
 
 
 def with_trial(

@@ -179,11 +179,14 @@ def refusals(
     reasons = {OBSERVER_FMU: learned.observer_refusal if learned.choice in (OBSERVER, BOTH) else ""}
     reasons[COMPENSATOR] = learned.refusal if learned.choice != OBSERVER else ""
     reasons[POSITION_FMU] = learned.doubt if learned.position_force else ""
+    told: dict[str, list[str]] = {}  # several files may have one reason
     for name, why in reasons.items():
         how = "" if force or name not in could else " (<force> writes it)"
         fate = "written, as <force> asks for" if name in files else "not written"
         if why:
-            yield with_settings(f"{name} is {fate}: {why}{how}")
+            told.setdefault(f"{fate}: {why}{how}", []).append(name)
+    for said, names in told.items():
+        yield with_settings(f"{' and '.join(names)} {'are' if names[1:] else 'is'} {said}")
 
 
 def _headline(
@@ -327,8 +330,9 @@ def _checks(learned: LearnedFromRecording, files: Sequence[str]) -> Iterator[str
     if COMPENSATOR in files and tracking and tracking.force > 0.0:
         scale = force_scale(motion, tracking.force)
         yield (
-            "drive disabled: a positive velocity command must give a positive output, at most"
-            f" {number(scale.factor * tracking.force, 3)} {scale.unit.replace(SPACE, ' ')}"
+            "drive disabled: a slow positive velocity command must give a positive output; on the"
+            f" log's command it reaches {number(scale.factor * tracking.force, 3)}"
+            f" {scale.unit.replace(SPACE, ' ')}"
         )
     if {COMPENSATOR, OBSERVER_FMU} & {*files}:
         yield (

@@ -22,7 +22,7 @@ from stickslip.errors import HarmfulError, LimitError, RigError, UsageError
 from stickslip.evaluation.motions import TRAINING
 from stickslip.identification.stages import Estimate
 from stickslip.servo.axis import LOOP
-from stickslip.studies.learn.log_learning import check_rig
+from stickslip.studies.learn.controller_findings import check_rig
 from stickslip.studies.learn.recorded import read_rig
 from stickslip.tuning.learning import Study, VelocityCost
 from stickslip.tuning.refinement import refine
