@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import gc
+import hashlib
 import logging
 import os
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -34,6 +34,15 @@ _WARNED: set[tuple[Path, str]] = set()
 _TAGS: dict[Interface, str] = {"co_simulation": "CoSimulation", "model_exchange": "ModelExchange"}
 _SHOWN = 50  # variables that a notebook shows
 _IDENTIFIER = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,199}")
+
+
+def _again(path: Path, interface: Interface, digest: str) -> Fmu:
+    """Return the FMU that was pickled; FmuError where its file was written again since then."""
+    fmu = Fmu(path, interface=interface)
+    if fmu.folder.name != digest:
+        fmu.folder = fmu.folder.with_name(digest)
+        fmu.content()
+    return fmu
 
 
 @contextmanager
@@ -123,7 +132,20 @@ class Fmu(Component):
         warn_of(self.path, description)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return partial(Fmu, interface=self.interface), (self.path,)
+        return _again, (self.path, self.interface, self.folder.name)
+
+    def content(self) -> bytes:
+        """Return the bytes of its file; FmuError where it is no longer the file that was read."""
+        try:
+            data = self.path.read_bytes()
+        except OSError as fault:
+            raise FmuError(f"{self.path}: {fault.strerror}") from fault
+        if hashlib.sha256(data).hexdigest() != self.folder.name:
+            raise FmuError(
+                f"{self.path}: was written again since it was read; build each FMU under a name or"
+                " in a folder of its own, or add it again"
+            )
+        return data
 
     def __repr__(self) -> str:
         return f"Fmu({str(self.path)!r})"

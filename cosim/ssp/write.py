@@ -156,7 +156,7 @@ class _Structure:
             values[component_of(name)][name] = value
         for i, (name, fmu) in enumerate(system.fmus("an SSP").items()):
             source = free_name(f"resources/{file_name(i, name)}", ".fmu", members)
-            members[source] = fmu.path.read_bytes()
+            members[source] = fmu.content()
             path = path_of(name)
             elements = group(self._body(path[:-1]), "ssd:Elements")
             named = {"name": path[-1], "type": FMU, "source": source}

@@ -241,6 +241,10 @@ class System:
         component, variable = component_of(name), variable_of(name)
         if component not in self.components:
             near = suggestion(component, self.components)
+            owners = [key for key, one in self.components.items() if name in one.variables]
+            if owners:
+                several = ", ".join(f"{one}.{name}" for one in owners)
+                raise error(f"{name!r} is one of several: {several}")
             raise error(f"{self.name} has no component {component!r} (wanted {name!r}){near}")
         fmu = self.components[component]
         found = fmu.find(variable, self.lengths(component))

@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> Answer:
         ) from None
 
     def announce(address: str) -> None:
-        print(f"the workbench of {options.folder} is at {address}; Ctrl-C ends it", flush=True)
+        print(f"the workbench of {options.folder}, until Ctrl-C ends it: {address}", flush=True)
         if not options.no_browser:
             webbrowser.open(address)
 

@@ -1,7 +1,9 @@
 """A system refuses what cannot be, names both ends, and converts units."""
 
 import math
+import shutil
 
+import cloudpickle
 import pytest
 
 from stickslip import cosim
@@ -25,11 +27,28 @@ def system(make):
         ("drive.y", "controller.k", r"controller\.k is a Real parameter, expected .* input"),
         ("drive.y", "controller.n", r"controller\.n is a Integer parameter"),
         ("drive", "controller.u", "no variable ''"),
+        ("drive.y", "u", r"'u' is one of several: drive\.u, controller\.u"),
     ],
 )
 def test_impossible_connections(system, source, target, message):
     with pytest.raises(cosim.ConnectionFault, match=message):
         system.connect(source, target)
+
+
+def test_an_fmu_whose_file_was_written_again_is_another(make, tmp_path):
+    path = shutil.copy(make("integrator"), tmp_path / "one.fmu")
+    system = joined({"one": path})
+    kept = cloudpickle.dumps(system)
+    assert cloudpickle.loads(kept).components["one"].variables
+    shutil.copy(make("gain"), path)
+    for use in (
+        lambda: cloudpickle.loads(kept),
+        lambda: cosim.write_ssp(system, tmp_path / "a.ssp"),
+    ):
+        with pytest.raises(
+            cosim.CosimError, match=r"one\.fmu: was written again since it was read"
+        ):
+            use()
 
 
 def test_an_input_has_one_source(system):

@@ -41,7 +41,7 @@ def serving(folder, log, places=()):
         words, stdout=subprocess.PIPE, text=True, env=os.environ | given
     ) as process:
         try:
-            (address,) = re.findall(r"http\S+(?=;)", process.stdout.readline())
+            (address,) = re.findall(r"http\S+", process.stdout.readline())
             yield process, address, folder
         finally:
             process.terminate()
@@ -119,7 +119,7 @@ def test_from_a_dropped_log_to_the_downloaded_compensator(brief_server, browser,
     page.get_by_role("button", name="Learn").click()
     page.get_by_text("Importances").wait_for(timeout=LONG)
     page.get_by_text("Coulomb feedforward (static)").first.wait_for(timeout=LONG)
-    check = page.get_by_text("drive disabled: a positive")
+    check = page.get_by_text("drive disabled: a slow positive")
     assert check.bounding_box()["y"] < 720.0  # without scrolling
     report = page.frame_locator("iframe.report")
     report.get_by_text("log.csv").first.wait_for()
