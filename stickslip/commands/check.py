@@ -99,7 +99,8 @@ def _package(path: Path, check: Callable[[Path], Report]) -> list[Report]:
 def _print(report: Report) -> None:
     from stickslip.fmucheck import Severity
 
-    counts = [f"{report.count(s)} {s}s" for s in sorted(Severity, reverse=True)]
+    each = [(report.count(one), one) for one in sorted(Severity, reverse=True)]
+    counts = [f"{n} {one}{'s' * (n != 1)}" for n, one in each]
     version = f"FMI {report.fmi}, " if report.fmi else ""
     print(f"{report.path}: {version}{', '.join(counts)}")
     width = max((len(finding.rule) for finding in report), default=0)

@@ -181,7 +181,7 @@ def _simulate(options: argparse.Namespace) -> Answer:
             result = simulation.run(**how)
         if options.save:
             simulation.save(options.save)
-    _warn(options, model, inputs, simulation.spec.step)
+    _warn(options, model, inputs, simulation.spec)
     written = [options.out] if options.out else []
     if writer:
         getattr(result, writer)(options.out)
@@ -226,15 +226,25 @@ def _shown_warnings() -> Iterator[None]:
 
 
 def _warn(
-    options: argparse.Namespace, model: Model, inputs: Mapping[str, object], step: float
+    options: argparse.Namespace,
+    model: Model,
+    inputs: Mapping[str, object],
+    spec: cosim.Specification,
 ) -> None:
-    """Warn of inputs without values, and name what was chosen where nothing was proposed."""
+    """Warn of inputs that end or have no values, and name what was chosen without a proposal."""
+    from stickslip import cosim
+
     with _shown_warnings():
         model.warn_of_idle(inputs, components=True)
     if not options.record and not model.has_outputs:
         warn(f"{options.file}: there are no outputs; local variables are recorded")
     if options.step is None and model.experiment.step is None:
-        LOG.info("%s: the file proposes no step; %g s is used", options.file, step)
+        LOG.info("%s: the file proposes no step; %g s is used", options.file, spec.step)
+    tables = [one for one in inputs.values() if isinstance(one, cosim.Table) and len(one.time) > 1]
+    ends, stop = [one.time[-1] for one in tables if not one.held], spec.stop
+    if options.input and ends and max(ends) < stop - spec.step and options.until is None:
+        held = f"its last values hold until {stop:g} s"
+        warn(f"{options.input}: ends at {max(ends):g} s; {held}")
 
 
 def _plot(result: cosim.Result, file: Path, model: Path) -> list[Path]:

@@ -42,6 +42,14 @@ def test_parquet_goes_in_and_comes_out(stage, force, tmp_path):
     assert np.unique(held).tolist() == [0.0, 20.0, 40.0]
 
 
+def test_an_input_that_ends_before_the_run_is_warned_of(stage, force, capsys):
+    name, path = force
+    for more, expected in (([], 1), (["--hold", name], 0)):
+        main(["simulate", str(stage), "--input", str(path), "--stop", "0.5", *more])
+        found = capsys.readouterr().err.count("ends at 0.02 s; its last values hold until 0.5 s")
+        assert found == expected
+
+
 def test_a_run_is_saved_and_resumed(stage, force, tmp_path):
     _, path = force
     state = tmp_path / "half.state"
