@@ -63,9 +63,12 @@ def test_meets_its_specification_or_says_that_it_cannot(axis, wanted):
     f = wanted.bandwidth
     z = np.exp(2j * np.pi * f * T_S)
     by_hand = transfer_function(axis, loop.K_p, loop.K_i, wanted.tau_f)
-    for value in (complex(by_hand(z)), complex(loop.open_loop(z))):
-        assert abs(value) == pytest.approx(1.0, rel=1e-7)
-        assert np.degrees(np.angle(-value)) == pytest.approx(wanted.phase_margin, abs=1e-5)
+    # polynomials with zeros near 1 lose up to seven digits, the states of the loop none
+    for system, within in ((by_hand, 1e-6), (loop.open_loop, 1e-9)):
+        value = complex(system(z))
+        assert abs(value) == pytest.approx(1.0, rel=within)
+        margin = pytest.approx(wanted.phase_margin, abs=100 * within)
+        assert np.degrees(np.angle(-value)) == margin
     figures = loop.margins()
     # A loop may cross 1 again; what is reported is then the smaller margin.
     assert abs(figures["phase_margin_deg"]) <= wanted.phase_margin + 1e-6
