@@ -40,9 +40,15 @@ def _again(path: Path, interface: Interface, digest: str) -> Fmu:
     """Return the FMU that was pickled; FmuError where its file was written again since then."""
     fmu = Fmu(path, interface=interface)
     if fmu.folder.name != digest:
-        fmu.folder = fmu.folder.with_name(digest)
-        fmu.content()
+        raise _written_again(path)
     return fmu
+
+
+def _written_again(path: Path) -> FmuError:
+    return FmuError(
+        f"{path}: was written again since it was read; build each FMU under a name or in a folder"
+        " of its own, or add it again"
+    )
 
 
 @contextmanager
@@ -141,10 +147,7 @@ class Fmu(Component):
         except OSError as fault:
             raise FmuError(f"{self.path}: {fault.strerror}") from fault
         if hashlib.sha256(data).hexdigest() != self.folder.name:
-            raise FmuError(
-                f"{self.path}: was written again since it was read; build each FMU under a name or"
-                " in a folder of its own, or add it again"
-            )
+            raise _written_again(self.path)
         return data
 
     def __repr__(self) -> str:

@@ -132,15 +132,15 @@ def test_initial_unknowns_depend_on_what_is_declared_and_on_nothing_else(fmu, sl
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "version", "anew"),
+    ("name", "version", "recompiled"),
     [("drive", 2, False), *further(("drive", 2, True), ("stage", 3, True))],
 )
 def test_the_same_sources_give_the_same_bytes_in_another_folder_and_cache(
-    tmp_path_factory, monkeypatch, build, name, version, anew
+    tmp_path_factory, monkeypatch, build, name, version, recompiled
 ):
-    """The compiler keeps its own files where they are, unless it shall do all anew."""
+    """The compiler keeps its own files where they are, unless all of it is compiled again."""
     cache = tmp_path_factory.mktemp("cache")
-    if not anew:
+    if not recompiled:
         (cache / "zig").symlink_to(cache_directory() / "zig")
     monkeypatch.setenv("STICKSLIP_CACHE", str(cache))
     folder = tmp_path_factory.mktemp("elsewhere, with blanks")
