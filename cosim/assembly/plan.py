@@ -246,7 +246,7 @@ class Plan:
 def count_steps(start: float, stop: float, step: float) -> int:
     """Return how many steps lead from start to stop (all in s)."""
     for name, value in (("start", start), ("stop", stop), ("step", step)):
-        if not isinstance(value, Real):
+        if isinstance(value, bool) or not isinstance(value, Real):
             raise ExperimentError(f"{name} is {value!r:.80}, expected a number, in s")
     if not (all(map(math.isfinite, (start, stop, step))) and step > 0 and stop > start):
         what = "must be finite, the step must be positive, and stop must lie after start"
@@ -265,7 +265,8 @@ def count_steps(start: float, stop: float, step: float) -> int:
     if n < 1 or abs(exact - n) > 1e-9 * n + rounding:
         raise ExperimentError(
             f"a step of {step} s does not divide the interval {start} to {stop} s:"
-            f" it holds {exact:.9g} steps; choose a stop of {start + max(1, n) * step:.9g} s"
+            f" it holds {exact:.9g} steps; choose a stop of {start + max(1, n) * step:.9g} s, or a"
+            f" step of {(stop - start) / max(1, n):.12g} s"
         )
     return n
 

@@ -83,6 +83,8 @@ def write_ssp(
     """
     if version not in {None, *VERSIONS}:
         raise SspError(f"version is {version!r}, expected '1.0' or '2.0'")
+    if (suffix := File(path).suffix) != ".ssp":
+        raise SspError(f"{path}: ends with {suffix!r}; write to a name that ends with '.ssp'")
     times = {"start": start, "stop": stop, "step": step}
     if given := {name: time for name, time in times.items() if time is not None}:
         experiment = replace(experiment or DefaultExperiment(), **given)

@@ -9,7 +9,12 @@ from typing import Any, Literal
 
 from stickslip.fmi.additions import own_folder
 from stickslip.models.errors import DescriptionError
-from stickslip.models.export.units import READ_IN, force_and_length, parameter_range
+from stickslip.models.export.units import (
+    READ_IN,
+    UNITS,
+    force_and_length,
+    parameter_range,
+)
 
 Steady = Literal["coulomb", "stribeck", "lorentz"]
 Coordinate = Literal["log", "linear"]
@@ -144,6 +149,8 @@ def read_law(folder: Path) -> Law:
     try:
         given = content["parameters"].items()
         tables = {name: {"variability": "tunable", **table} for name, table in given}
+        for name, table in tables.items():
+            require_known(f"{folder.name}/law.toml, {name}", [table["unit"]], UNITS)
         law = Law(
             name=folder.name,
             title=content["title"],

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> Answer:
         allow=options.allow,
     )
     reports: list[Report] = []
-    for path in options.files:
+    for path in _files(options.files):
         reports += _package(path, check) if path.suffix == ".ssp" else [check(path)]
     for report in reports:
         _print(report)
@@ -63,6 +63,15 @@ def run(options: argparse.Namespace) -> Answer:
     worst = levels.WARNING if options.strict else levels.ERROR
     status = int(any(finding.severity >= worst for report in reports for finding in report))
     return Answer({"version": 1, "files": [r.as_json() for r in reports]}, status)
+
+
+def _files(given: Iterable[Path]) -> Iterator[Path]:
+    """Yield the files, and of a folder the FMUs and packages in it."""
+    for path in given:
+        inside = sorted(one for one in path.rglob("*") if one.suffix in {".fmu", ".ssp"})
+        if path.is_dir() and not inside:
+            raise UsageError(f"{path}: a folder without a .fmu or .ssp; name a file")
+        yield from inside if path.is_dir() else [path]
 
 
 def _package(path: Path, check: Callable[[Path], Report]) -> list[Report]:

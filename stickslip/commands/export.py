@@ -35,7 +35,7 @@ class _Parsers(dict[str, argparse.ArgumentParser]):
     """Parsers by what they export: a file stands for the one of its kind."""
 
     def __contains__(self, name: object) -> bool:
-        is_file = str(name).endswith(".ssp") and name != SYSTEM
+        is_file = str(name).endswith((".ssp", ".fmu")) and name != SYSTEM
         return super().__contains__(name) or is_file
 
     def __missing__(self, name: str) -> argparse.ArgumentParser:
@@ -107,6 +107,8 @@ def export_system(options: argparse.Namespace) -> Answer:
     from stickslip import cosim
 
     file = Path(options.what)
+    if file.suffix == ".fmu":
+        raise UsageError(f"{file}: an FMU already; this writes a system, FILE.ssp, as one")
     system, experiment = cosim.read_ssp(file, options.variant)
     step = experiment.step if options.step is None else options.step
     if step is None:

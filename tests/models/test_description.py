@@ -25,6 +25,7 @@ STATIC = MODELS / "compensators" / "static_feedforward" / "model.toml"
         (DOB, '[outputs.d_hat]\nunit = "N"', '[outputs.d_hat]\nunit = "V"', "d_hat: V is unknown"),
         (DOB, "[outputs.d_hat]\n", '[outputs.d_hat]\ndisplay = "kN"\n', "d_hat: kN is unknown"),
         (DAHL, 'steady = "', 'level = "', "room/law.toml: key 'steady' is missing"),
+        (DAHL, 'unit = "N/m"', 'unit = "stone"', "room/law.toml, sigma_0: stone is unknown"),
         (DAHL, 'coordinate = "log"', 'at_least = "F_0"', "sigma_0: F_0 is unknown"),
     ],
 )
