@@ -3,8 +3,12 @@
 The folders lie side by side in the checkout. Installed, all of them are below ``stickslip``.
 """
 
+import warnings
+
 from setuptools import find_namespace_packages, setup
 
+# A new pip prints it, of folders of the name of a package where one works; here they are these.
+warnings.filterwarnings("ignore", "Editable installation")
 FOLDERS = ("cosim", "fmi", "fmucheck", "ga", "models")
 BELOW = find_namespace_packages(include=[f"{folder}*" for folder in FOLDERS])
 

@@ -130,6 +130,7 @@ def _fmu(path: Path) -> Info:
     facts = {
         "name": found.name,
         "fmi": found.standard,
+        "tool": found.tool,
         "interfaces": sorted(found.interfaces),
         "platforms": platforms,
         "sources": (folder / "sources").is_dir(),

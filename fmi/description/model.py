@@ -143,6 +143,7 @@ class Description:
 
     standard: int  # 1, 2 or 3; what is FMI 1.0 is given in the form of FMI 2.0
     name: str
+    tool: str  # which wrote it, "" if it does not say
     token: str  # the GUID of FMI 2.0, the instantiation token of FMI 3.0
     licence: str  # what the FMU says of it
     interfaces: Mapping[str, Mapping[str, str]]

@@ -138,6 +138,7 @@ def read_description(root: Any) -> Description:
     return Description(
         standard=standard,
         name=root.get("modelName", ""),
+        tool=root.get("generationTool", ""),
         token=root.get("guid" if version == 2 else "instantiationToken", ""),
         licence=root.get("license", ""),
         interfaces=interfaces,

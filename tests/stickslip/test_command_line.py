@@ -161,7 +161,7 @@ def test_rare_options_of_learn_are_listed_on_request_in_groups_of_five(capsys):
     ("arguments", "keys"),
     [
         ("simulate STAGE --stop 0.02", {"signals", "step", "points"}),
-        ("info STAGE", {"variables", "experiment", "interfaces", "platforms"}),
+        ("info STAGE", {"variables", "experiment", "interfaces", "platforms", "tool"}),
         ("build stage --fmi 3 --out OUT", {"written"}),
         ("check STAGE --no-run", {"files", "version"}),
         ("design", {"K_p", "nominal_loop"}),
