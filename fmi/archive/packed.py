@@ -5,6 +5,7 @@ import zipfile
 from collections.abc import Mapping
 
 _TIMESTAMP = (1980, 1, 1, 0, 0, 0)  # the same content gives the same bytes
+_FAST = 2  # half the time of the usual 6 for an FMU that is a twentieth larger
 
 
 def zipped(members: Mapping[str, bytes]) -> bytes:
@@ -16,5 +17,5 @@ def zipped(members: Mapping[str, bytes]) -> bytes:
             member.compress_type = zipfile.ZIP_DEFLATED
             member.create_system = 3
             member.external_attr = 0o644 << 16
-            archive.writestr(member, content)
+            archive.writestr(member, content, compresslevel=_FAST)
     return buffer.getvalue()

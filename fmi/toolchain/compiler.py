@@ -12,9 +12,10 @@ import sys
 import tempfile
 import time
 import zipfile
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
+from itertools import chain
 from pathlib import Path
 
 from stickslip.fmi.binary import read_library
@@ -23,6 +24,7 @@ from stickslip.fmi.messages import installing
 from stickslip.fmi.process.child import child_process
 from stickslip.fmi.process.interruption import check_interruption, temporary_folder
 from stickslip.fmi.toolchain import platforms
+from stickslip.fmi.toolchain.keeping import kept
 
 ARCHIVE = Path(__file__).with_name("compiled.zip")
 
@@ -43,13 +45,17 @@ def _shipped(member: str) -> bytes:
 
 # No fused multiply-add and a named target: the same bits on every processor.
 # -O2 also keeps the compiler from linking its debug runtime (4 MB) into each library.
-_FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-shared", "-s")
+_FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden")
+_LINKED = ("-shared", "-s")
 # macOS exports these from every library.
 _OF_THE_LINKER = {"__dso_handle", "_mh_dylib_header"}
 _STANDALONE = ("-nostdlib", "-lcompiler_rt", "-lkernel32")
 # What ziglang prints where it cannot write.
 _FULL = ("NoSpaceLeft", "DiskQuota")
 _CLOSED = ("ReadOnlyFileSystem", "AccessDenied", "PermissionDenied")
+# Of the compiler's own functions, which take 4 s to compile once, 64-bit systems need none.
+_NO_RUNTIME = "-rtlib=none"
+_OBJECT = "common.o"
 _LOOK = 0.1  # s between two looks for an interruption, or at a lock
 _WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 
@@ -58,6 +64,7 @@ def shared_library(
     name: str,
     files: Mapping[str, str],
     *,
+    common: Mapping[str, str] | None = None,
     platform: platforms.Platform | None = None,
     flags: Sequence[str] = (),
     standalone: bool = False,
@@ -74,6 +81,8 @@ def shared_library(
     ----------
     files : relative path -> text of every source and header. Headers in ``system/`` are found
         with ``<...>`` and raise no warnings; the others are found from the root of the tree.
+    common : such files of which other libraries have the same, compiled once for all of them: one
+        source and its headers
     flags : further compiler flags. Those in ``$STICKSLIP_CFLAGS`` come last, such as a sanitizer's;
         ``$STICKSLIP_CC`` names a system compiler to take for this machine, which may know more of
         them than ziglang does
@@ -84,20 +93,22 @@ def shared_library(
     """
     target = platform or platforms.host_platform()
     bare = standalone and target.suffix == ".dll"
+    common = dict(common or {})
     if bare:
         files = {**files, **_standalone()}
+        headers = {path: text for path, text in _standalone().items() if path.endswith(".h")}
+        common |= headers if common else {}
     call = [sys.executable, "-m", "ziglang", "cc", "-target", target.target]
+    call += [] if target.suffix == ".dll" else [_NO_RUNTIME]
     if (own := os.environ.get("STICKSLIP_CC")) and target == platforms.host_platform():
         call = ["env", own, "-Wno-unknown-pragmas"]
-    command = [
-        *call,
-        *(*_FLAGS, *_WARNINGS, *flags, *(_STANDALONE if bare else ()), "-I.", "-isystem", "system"),
-        *os.environ.get("STICKSLIP_CFLAGS", "").split(),
-        *sorted(path for path in files if path.endswith(".c")),
-    ]
+    call += [*_FLAGS, *_WARNINGS, *flags, "-I.", "-isystem", "system"]
+    call += os.environ.get("STICKSLIP_CFLAGS", "").split()
+    command = [*call, *_LINKED, *(_STANDALONE if bare else ())]
+    command += sorted(path for path in files if path.endswith(".c"))
     if target.suffix == ".dylib":
         command.append(f"-Wl,-install_name,@rpath/{name}.dylib")
-    recipe = _digest([target.target, name, *command[1:]], files)
+    recipe = _digest([target.target, name, *command[1:]], [files, common])
     file = name + target.suffix
     member = f"{recipe}/{file}"
     version, members = _content(ARCHIVE)
@@ -107,7 +118,11 @@ def shared_library(
         try:
             with _alone(library.parent):
                 if not _is_whole(library):  # another process may just have compiled it
-                    linked = _shipped(member) if is_shipped else _compile(command, files, file)
+                    if is_shipped:
+                        linked = _shipped(member)
+                    else:
+                        objects = _object(call, common)
+                        linked = _compile([*command, *objects], {**files, **objects}, file)
                     if exports is not None:
                         _check_exports(linked, exports, library.name)
                     atomic_write(library, linked)
@@ -178,9 +193,9 @@ def _standalone() -> dict[str, str]:
     return {name if name.endswith(".c") else f"system/{name}": t for name, t in text.items()}
 
 
-def _digest(words: Sequence[str], files: Mapping[str, str]) -> str:
+def _digest(words: Sequence[str], trees: Iterable[Mapping[str, str]]) -> str:
     digest = hashlib.sha256("\0".join(words).encode())
-    for path, text in sorted(files.items()):
+    for path, text in chain.from_iterable(sorted(tree.items()) for tree in trees):
         digest.update(f"\0{path}\0{len(text)}\0{text}".encode())
     return digest.hexdigest()[:32]
 
@@ -204,14 +219,23 @@ def compiler_version() -> str:
     return version("ziglang")
 
 
-def _compile(command: Sequence[str], files: Mapping[str, str], output: str) -> bytes:
+def _object(call: Sequence[str], files: Mapping[str, str]) -> dict[str, bytes]:
+    """Return what is common, compiled, by name; it stays in the cache."""
+    if not files:
+        return {}
+    command = [*call, "-c", *(path for path in files if path.endswith(".c"))]
+    recipe = _digest([compiler_version(), *command[1:]], [files])
+    return {_OBJECT: kept("objects", [recipe], lambda: _compile(command, files, _OBJECT))}
+
+
+def _compile(command: Sequence[str], files: Mapping[str, str | bytes], output: str) -> bytes:
     zig = platforms.cache_directory() / "zig"
     environment = os.environ | {"ZIG_GLOBAL_CACHE_DIR": str(zig), "ZIG_LOCAL_CACHE_DIR": str(zig)}
     with temporary_folder("stickslip-build-") as folder:
         for path, text in files.items():
             file = folder / path
             file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_text(text, encoding="utf-8")
+            file.write_bytes(text if isinstance(text, bytes) else text.encode())
         (folder / "system").mkdir(exist_ok=True)
         status, printed = _run([*command, "-o", output], folder, environment)
         if status != 0:

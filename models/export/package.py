@@ -233,10 +233,11 @@ def blank_library(model: Model, fmi: sources.FmiVersion, platform: toolchain.Pla
     """Return the library of a model, compiled for all names and start values."""
     headers = sources.fmi_headers(fmi)
     blank = sources.start_source("", [0.0] * len(model.variables))
-    files = sources.grouped(sources.c_files(model, fmi) | {sources.START: blank})
+    files, common = sources.grouped(sources.c_files(model, fmi) | {sources.START: blank})
     return toolchain.shared_library(
         "model",
         files | {f"system/{path}": content for path, content in headers.items()},
+        common=common,
         platform=platform,
         # A fixed interface has parameters that not every model needs.
         flags=["-Wno-unused-parameter", *sources.COMPILER_OPTIONS.split()],

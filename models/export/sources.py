@@ -174,6 +174,9 @@ def _place(path: Path, places: Iterable[Path]) -> str:
 
 FmiVersion = Literal[2, 3]
 FACES = Path(fmi.__file__).parent / "faces"
+# Files that are the same for all models, and in no step: the functions of FMI are called faster
+# where they are compiled with the model, by 7 to 20 % of a step.
+_COMMON = "heap", "text"
 START = "start.c"  # the token and the start values
 # Without fused multiply-add, all compilers give the same bits; scalar equations packed into vectors
 # took a tenth more time.
@@ -222,13 +225,26 @@ def compiled(files: Iterable[str]) -> list[str]:
     return sorted(path for path in files if path.endswith(".c"))
 
 
-def grouped(files: dict[str, str]) -> dict[str, str]:
-    """Return the same C with the adapter in one file, which compiles in half the time."""
-    alone = "model.c", START
+def grouped(files: dict[str, str]) -> tuple[dict[str, str], dict[str, str]]:
+    """Return the same C with the adapter in two files, and what the second, ``common.c``, needs.
+
+    That is the same for all models, so it is compiled once; the first is compiled in half the time
+    of its parts.
+    """
+    common = {path for path in files if path.partition(".")[0] in _COMMON}
+    alone = {"model.c", START, *common}
     adapter = [path for path in compiled(files) if "/" not in path and path not in alone]
-    return {f"{path}.inc" if path in adapter else path: text for path, text in files.items()} | {
-        "adapter.c": "".join(f'#include "{path}.inc"\n' for path in adapter)
-    }
+    own = {f"{path}.inc" if path in adapter else path: text for path, text in files.items()}
+    shared = {f"{path}.inc" if path.endswith(".c") else path: files[path] for path in common}
+    return (
+        {path: text for path, text in own.items() if path not in compiled(common)}
+        | {"adapter.c": _including(adapter)},
+        shared | {"common.c": _including(compiled(common))},
+    )
+
+
+def _including(files: Iterable[str]) -> str:
+    return "".join(f'#include "{path}.inc"\n' for path in files)
 
 
 @cache

@@ -1,7 +1,8 @@
-"""Libraries of models in lanes, compiled for each kind of processor, and the one that runs them."""
+"""Libraries of models in lanes, compiled for one kind of processor, and the one that runs them."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from stickslip.fmi import toolchain
@@ -37,20 +38,15 @@ static M step_model(double t, double h, V *values, M live) {{
     model_outputs(live, (V)(t + h), {parts}, (Outputs *)(values + {outputs}));
     return live & ~done;
 }}
-const LaneModel LEVEL(model) = {{start_model, step_model}};
-"""
-_CHOICE = """#include "run.h"
-extern const LaneModel model0, model1, model2;
-EXPORT const LaneModel *lane_model(int level);
-const LaneModel *lane_model(int level) {
-    return level == 2 ? &model2 : level == 1 ? &model1 : &model0;
-}
+static const LaneModel MODEL = {{start_model, step_model}};
+EXPORT const LaneModel *lane_model(void);
+const LaneModel *lane_model(void) {{ return &MODEL; }}
 """
 _PARTS = {"state": "States", "memory": "Memory", "input": "Inputs", "parameter": "Parameters"}
 
 
-def model_library(model: Model, platform: toolchain.Platform | None = None) -> Path:
-    """Return the library of a model, compiled on first use.
+def model_library(model: Model, level: int) -> Path:
+    """Return the library of a model for one of ``LEVELS`` processors, compiled on first use.
 
     Raises ModelError where its C cannot be translated, or toolchain.ToolchainError.
     """
@@ -58,7 +54,7 @@ def model_library(model: Model, platform: toolchain.Platform | None = None) -> P
     places = {role: roles.index(role) if role in roles else 0 for role in (*_PARTS, "output")}
     parts = ", ".join(f"({struct} *)(values + {places[role]})" for role, struct in _PARTS.items())
     code = _MODEL.format(code=_translated(model), parts=parts, outputs=places["output"])
-    return _library(f"lanes_{model.name}", {"level.inc": code, "choice.c": _CHOICE}, platform)
+    return _library(f"lanes_{model.name}", {"level.inc": code}, [level])
 
 
 def _translated(model: Model) -> str:
@@ -70,17 +66,17 @@ def _translated(model: Model) -> str:
     return code.decode()
 
 
-def run_library(platform: toolchain.Platform | None = None) -> Path:
+def run_library() -> Path:
     """Return the library that runs systems of models in lanes, compiled on first use."""
     names = ("run.c", "choice.c")
     code, choice = (text(_HERE / name) for name in names)
-    return _library("lanes", {"level.inc": code, "choice.c": choice}, platform)
+    return _library("lanes", {"level.inc": code, "choice.c": choice}, range(LEVELS))
 
 
-def _library(name: str, files: dict[str, str], platform: toolchain.Platform | None) -> Path:
+def _library(name: str, files: dict[str, str], levels: Iterable[int]) -> Path:
     files |= {header: text(_HERE / header) for header in ("lanes.h", "run.h")}
-    for level, target in enumerate(_LEVELS):
-        each = _LEVEL.format(target=target, level=level)
+    for level in levels:
+        each = _LEVEL.format(target=_LEVELS[level], level=level)
         bare = '#define LEVEL(name) name##0\n#include "level.inc"\n'
-        files[f"level{level}.c"] = each if target else bare
-    return toolchain.shared_library(name, files, platform=platform, flags=_FLAGS, standalone=True)
+        files[f"level{level}.c"] = each if _LEVELS[level] else bare
+    return toolchain.shared_library(name, files, flags=_FLAGS, standalone=True)

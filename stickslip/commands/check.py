@@ -67,11 +67,14 @@ def run(options: argparse.Namespace) -> Answer:
 
 def _files(given: Iterable[Path]) -> Iterator[Path]:
     """Yield the files, and of a folder the FMUs and packages in it."""
+    kinds = {".fmu", ".ssp"}
     for path in given:
-        inside = sorted(one for one in path.rglob("*") if one.suffix in {".fmu", ".ssp"})
-        if path.is_dir() and not inside:
+        if path.suffix in kinds or not path.is_dir():
+            yield path
+        elif inside := sorted(one for one in path.rglob("*") if one.suffix in kinds):
+            yield from inside
+        else:
             raise UsageError(f"{path}: a folder without a .fmu or .ssp; name a file")
-        yield from inside if path.is_dir() else [path]
 
 
 def _package(path: Path, check: Callable[[Path], Report]) -> list[Report]:

@@ -136,7 +136,7 @@ class Lanes:
 
     def _functions(self, model: models.Model) -> int:
         law = model.law.name if model.law else None
-        return int(_loaded(model.name, law).lane_model(self._level))
+        return int(_loaded(model.name, law, self._level).lane_model())
 
     def run(self, runs: Sequence[Run], each: Each | None = None) -> Results:
         """Return the results, None if left to the FMUs; ``each`` maps runs of like lengths."""
@@ -246,11 +246,11 @@ def _runner() -> tuple[CDLL, int]:
 
 
 @cache
-def _loaded(name: str, law: str | None) -> CDLL:
-    """Return the library of a model."""
+def _loaded(name: str, law: str | None, level: int) -> CDLL:
+    """Return the library of a model for one kind of processor."""
     model = models.load_model(name, law)
-    library = _library(lambda: model_library(model))
-    library.lane_model.argtypes, library.lane_model.restype = (c_int,), c_void_p
+    library = _library(lambda: model_library(model, level))
+    library.lane_model.argtypes, library.lane_model.restype = (), c_void_p
     return library
 
 

@@ -33,8 +33,9 @@ def test_the_sources_are_those_of_the_binary(some_fmu):
     assert set(headers) & set(files) == (set(headers) if some_fmu.version == 2 else set())
     own = {path: text for path, text in files.items() if path not in headers}
     system = {f"system/{path}": text for path, text in headers.items()}
+    files, common = grouped(own)
     library = toolchain.shared_library(
-        some_fmu.model.name, grouped(own) | system, flags=flags, standalone=True
+        some_fmu.model.name, files | system, common=common, flags=flags, standalone=True
     )
     [binary] = [path for path in content if path.startswith("binaries/")]
     assert library.read_bytes() == content[binary]
