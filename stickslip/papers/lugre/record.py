@@ -81,13 +81,26 @@ def reproduce_from_recording(
     return RecordReproduction(**vars(validated(options, rig, learned, progress)))
 
 
+LOG_FILES = ("recording.csv", "recording.toml")
+"""What ``write_log`` writes: what ``stickslip learn`` takes."""
 RECORD_FILES = (
-    *("table2.csv", "table4.csv", "fitness.csv", "profiles.csv"),
-    *("recording.csv", "recording.toml", "learned.json", "compensator.fmu", "loop.ssp"),
+    *("table2.csv", "table4.csv", "fitness.csv", "profiles.csv", *LOG_FILES),
+    *("learned.json", "compensator.fmu", "loop.ssp"),
     *picture_files(["fig6_tracking"]),
     *REPORT,
 )
 """What ``write_record_results`` writes."""
+
+
+def write_log(recording: Recording, options: Options, folder: Path) -> None:
+    """Write one recording of the simulated drive, and nothing else."""
+    with staged(folder, command_of(options, mode="log")) as staging:
+        _write_log(recording, staging)
+
+
+def _write_log(recording: Recording, folder: Path) -> None:
+    write_tables({"recording": _table(recording)}, folder)
+    atomic_write(folder / "recording.toml", _description(recording))
 
 
 def write_record_results(reproduction: RecordReproduction, folder: Path) -> None:
@@ -100,10 +113,9 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
             "table4": reproduction.validation.table(),
             "fitness": estimation.searched.convergence(),
             "profiles": estimation.fitted.profiles,
-            "recording": _table(estimation.recording),
         }
         write_tables(tables, staging)
-        atomic_write(staging / "recording.toml", _description(reproduction))
+        _write_log(estimation.recording, staging)
         write_loop(reproduction.system, loop, staging / "loop.ssp", reproduction.options)
         write_json(recording_document(learned), staging / "learned.json")
         build_part(learned, deployed_feedforward(learned), "compensator", staging)
@@ -126,13 +138,13 @@ def _table(recording: Recording) -> pd.DataFrame:
     return pd.DataFrame(columns)
 
 
-def _description(reproduction: RecordReproduction) -> str:
+def _description(recording: Recording) -> str:
     """Return what ``stickslip learn --config`` takes."""
     gains = gains_of(commissioning_loop(Datasheet()))
     lines = [
         "# Describes recording.csv for stickslip learn.",
         'motion = "linear"',
-        f"encoder_step = {reproduction.learned.estimation.recording.encoder_step!r}",
+        f"encoder_step = {recording.encoder_step!r}",
         "",
         "[columns]",
         'time = { name = "time", unit = "s" }',

@@ -2,6 +2,7 @@
 
 stickslip reproduce --out results/paper
 stickslip reproduce --mode record --law dahl --out results/dahl
+stickslip reproduce --mode log --out record
 """
 
 from __future__ import annotations
@@ -37,9 +38,9 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_options(parser, {"--out DIR": out}, type=Path)
     mode = (
         "drive: each candidate runs on the drive FMU, as in the paper; record: learn everything "
-        "from one recording of 20 s"
+        "from one recording of 20 s; log: only write that recording, for learn"
     )
-    add_options(parser, {"--mode": mode}, choices=["drive", "record"], default="drive")
+    add_options(parser, {"--mode": mode}, choices=["drive", "record", "log"], default="drive")
     published = (
         "only the paper's learning as published, from coarse starts over several seeds, beside the "
         "same with logarithmic genes and least squares"
@@ -101,6 +102,19 @@ def _record(
     return partial(print_table4, reproduction.validation.table())
 
 
+def _log(
+    options: Options, fmus: Path, progress: TerminalProgress, _workers: int, out: Path
+) -> Show:
+    from stickslip.papers.lugre.record import write_log
+    from stickslip.papers.lugre.reproduction import build_rig
+    from stickslip.studies.learn.recorded import record_drive
+
+    rig = build_rig(options, fmus, progress)
+    progress.stage("recording the drive")
+    write_log(record_drive(rig), options, out)
+    return partial(print, f"{out / 'recording.csv'} is described by recording.toml beside it")
+
+
 def _published(
     options: Options, fmus: Path, progress: TerminalProgress, workers: int, out: Path
 ) -> Show:
@@ -132,7 +146,7 @@ def run(options: argparse.Namespace) -> Answer:
     _check(options)
     truth = drive_changes(options.set)
     from stickslip.papers.lugre.folder import FILES, PUBLISHED_FILES
-    from stickslip.papers.lugre.record import RECORD_FILES
+    from stickslip.papers.lugre.record import LOG_FILES, RECORD_FILES
     from stickslip.papers.lugre.reproduction import Options, drive_truth
 
     chosen = Options(
@@ -146,13 +160,15 @@ def run(options: argparse.Namespace) -> Answer:
     compute, files = {
         "drive": (_drive, FILES),
         "record": (_record, RECORD_FILES),
+        "log": (_log, LOG_FILES),
         "published": (_published, PUBLISHED_FILES),
     }["published" if options.as_published else options.mode]
     out = options.out or Path("results/as_published" if options.as_published else "results/paper")
     with reserved(out, files), temporary_folder() as fmus, TerminalProgress() as progress:
         show = compute(chosen, fmus, progress, options.workers, out)
     show()
-    print(f"all results are in {out}; open report.html first")
+    if "report.html" in files:
+        print(f"all results are in {out}; open report.html first")
     learned = out / LEARNED
     found = json.loads(learned.read_text(encoding="utf-8")) if LEARNED in files else {}
     return Answer({"folder": out, **found})
@@ -161,7 +177,7 @@ def run(options: argparse.Namespace) -> Answer:
 def _check(options: argparse.Namespace) -> None:
     """Raise where an option means nothing to the learning as published."""
     others = {
-        "--mode record": options.mode == "record",
+        f"--mode {options.mode}": options.mode != "drive",
         f"--law {options.law}": options.law != "lugre",
         f"--algorithm {options.algorithm}": options.algorithm not in ("default", "paper"),
     }
