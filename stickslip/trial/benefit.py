@@ -293,6 +293,18 @@ class Benefit:
         )
 
     @property
+    def why_less(self) -> str:
+        """Why it has a share of its force only; empty where it has the whole."""
+        if self.share == 1.0:
+            return ""
+        worst = max(self.full, key=lambda row: row.ratio)
+        if worst.ratio <= 1.0:
+            return "with which it errs least"
+        where = ("at " if worst.command[0].isdigit() else "in ") + worst.command
+        friction = "" if worst.level == 1.0 else f" with {worst.level:g} times the friction"
+        return f"with all of it the error {where}{friction} may be {worst.ratio:.2g} times as large"
+
+    @property
     def refusal(self) -> str:
         """Why a compensator that is not acceptable is refused, and what to do."""
         most = harm.WORSE if self.is_safe else self.most

@@ -11,8 +11,9 @@ from stickslip import models
 from stickslip.fmi import toolchain
 from stickslip.fmi.binary import read_library
 from stickslip.fmi.toolchain import PLATFORMS
+from stickslip.models.export.package import blank_library
 from stickslip.models.export.presentation import reference_file
-from stickslip.models.export.sources import fmi_headers, grouped
+from stickslip.models.export.sources import START, fmi_headers, grouped, start_source
 from tests.cosim.single import by_fmpy, members
 
 ROOT = Path(models.__file__).parent.parent
@@ -20,7 +21,7 @@ LS_REF = "extra/org.fmi-standard.fmi-ls-ref"
 
 
 def test_the_sources_are_those_of_the_binary(some_fmu):
-    """Compiled again from what is inside, as is stated there, they give the same bytes."""
+    """They are compiled as is stated there; some, again with their start values, to the bytes."""
     content = members(some_fmu.path)
     [listed] = etree.fromstring(content["sources/buildDescription.xml"]).iter("SourceFileSet")
     flags = ["-Wno-unused-parameter", *listed.attrib["compilerOptions"].split()]
@@ -33,12 +34,19 @@ def test_the_sources_are_those_of_the_binary(some_fmu):
     assert set(headers) & set(files) == (set(headers) if some_fmu.version == 2 else set())
     own = {path: text for path, text in files.items() if path not in headers}
     system = {f"system/{path}": text for path, text in headers.items()}
-    files, common = grouped(own)
-    library = toolchain.shared_library(
-        some_fmu.model.name, files | system, common=common, flags=flags, standalone=True
-    )
-    [binary] = [path for path in content if path.startswith("binaries/")]
-    assert library.read_bytes() == content[binary]
+
+    def compiled(name, start):
+        files, common = grouped(own | start)
+        return toolchain.shared_library(
+            name, files | system, common=common, flags=flags, standalone=True
+        )
+
+    host, count = toolchain.host_platform(), len(some_fmu.model.variables)
+    blank = compiled("model", {START: start_source("", [0.0] * count)})
+    assert blank == blank_library(some_fmu.model, some_fmu.version, host)  # its place tells of what
+    if some_fmu.target in ("stage", "dob", "drive"):
+        [binary] = [path for path in content if path.startswith("binaries/")]
+        assert compiled(some_fmu.model.name, {}).read_bytes() == content[binary]
 
 
 def test_the_documentation_is_the_readme(some_fmu):

@@ -225,8 +225,9 @@ def _what(learned: LearnedFromRecording, name: str) -> str:
         place = ", to be added after the feedforward" if learned.choice == BOTH else ""
         return f"{_titled(kind, 'observer')}{place}"
     benefit = learned.benefit
-    share = benefit.share if benefit else 1.0
-    of = "" if share == 1.0 else f" at {number(100 * share)} % of the learned force"
+    of = ""
+    if benefit and benefit.why_less:
+        of = f" at {number(100 * benefit.share)} % of the learned force, {benefit.why_less}"
     kind = learned.trial.compared.chosen.name.split("+")[0] if learned.trial else ""
     if kind in ("", "none") or learned.choice not in (FEEDFORWARD, BOTH):
         kind = learned.estimation.law.name

@@ -93,7 +93,7 @@ CASES = [
 
 @pytest.mark.parametrize(("law", "chain"), CASES)
 def test_lanes_have_the_bits_of_the_fmus(tmp_path, loop, law, chain):
-    """Beside a lane that is refused and one that fails; with LuGre as compiled for any processor."""
+    """Beside a lane that is refused and one that fails; with LuGre for each kind of processor."""
     whole = specification(tmp_path, loop, law, [Compensator(name, name) for name in chain])
     levels = range(LEVELS) if law == "lugre" else [None]
     compare(whole, runs(loop, law, seed=len(law) + len(chain[0])), [2, 5], levels)

@@ -320,6 +320,15 @@ def test_the_best_is_acceptable_and_has_the_smallest_errors():
     assert best_of([harmful]) is harmful
 
 
+def test_why_less_than_the_whole_force_is_written_names_its_worst_motion():
+    rows = [TrialError(0.04, "one", 1.0, ratio, "creep", level=0.7) for ratio in (0.5, 0.9)]
+    assert Benefit(1.0, (*rows,), (*rows,)).why_less == ""
+    assert Benefit(0.7, (*rows,), (*rows,)).why_less == "with which it errs least"
+    worse = (*rows, replace(rows[0], compensated=1.44))
+    expected = "the error in creep with 0.7 times the friction may be 1.4 times as large"
+    assert Benefit(0.7, (*rows,), worse).why_less == f"with all of it {expected}"
+
+
 def test_any_chain_of_compensators_is_tried(tmp_path):
     """Static feedforward has no share; a loop with a chain of none is that without."""
     own = [Drive("it", "lugre", TABLE_2)]
