@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from stickslip.servo.axis import Array, Axis
 from stickslip.servo.frequency import respond
-from stickslip.servo.velocity_filter import Observer
+from stickslip.servo.velocity_filter import Observer, VelocityFilter
 from stickslip.servo.velocity_loop import (
     VelocityLoop,
     known_force,
@@ -109,7 +109,7 @@ class OpenLoop:
         """Return the response with an observer, or without."""
         if observer is None:
             return self._closed(0.0, 0.0)
-        estimate = respond(observer.filter.disturbance(), self.z)[:, 0]
+        estimate = _estimate(observer.filter, self.z.tobytes())
         return self._closed(*(-observer.share * estimate.T))
 
     def response_with(self, compensator: Mapping[str, ComplexArray]) -> tuple[Response, bool]:
@@ -179,3 +179,9 @@ def _plant(axis: Axis, T_s: float, f: bytes) -> tuple[Any, ...]:
     moved, force = respond(plant, z)[:, :, 0].T
     unlagged = plant_with_force(Axis(axis.m, axis.b), T_s)[1, 0]
     return plant, z, moved, force, respond(unlagged, z)[:, 0, 0]
+
+
+@lru_cache(maxsize=1)
+def _estimate(estimator: VelocityFilter, z: bytes) -> ComplexArray:
+    """Return the response (n, 2) of an estimated force, the same for a loop of any true mass."""
+    return respond(estimator.disturbance(), np.frombuffer(z, dtype=complex))[:, 0]
