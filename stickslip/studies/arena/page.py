@@ -34,6 +34,7 @@ TEMPLATES = "studies/arena"
 TITLE = "Friction compensators compared"
 FIGURES = ("errors", "pareto")
 _DEEP = 3.0  # Factor on the error at which the colour of a cell is the deepest
+_NAMED = 8  # points that all have names in a figure
 
 
 def sections(plan: Plan, found: pd.DataFrame) -> list[Section]:
@@ -157,7 +158,7 @@ def _front(axes: Axes, x: pd.Series[Any], y: pd.Series[Any]) -> None:
     for names, colour, joined in ((best, style.WITH, "-"), (others, style.GREY, "")):
         (line,) = axes.plot(x[names], y[names], "o", ls=joined, color=colour, ms=3.7)
         name_points(line, names)
-    for name in best:
+    for name in x.index if len(x) <= _NAMED else best:
         place = float(x[name]), float(y[name])
         axes.annotate(name, place, xytext=(4.0, 3.0), textcoords="offset points", fontsize=6.5)
     axes.set(xscale="log", yscale="log")
