@@ -1,16 +1,18 @@
 """Sweeps of the ring: where short runs are evaluated, CPU time of all processes (Linux)."""
 
 import os
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
+
+from distributed import LocalCluster
 
 import stickslip as ss
 from benchmarks.common import cpu, interleaved
 from benchmarks.coupling import ring
 
 RUNS, STEPS, REPEATS = 1000, 1000, 5
-WHERE = {"threads": 2, "processes": 2, "local": 2}  # and how many workers; local: Dask
+WHERE = ("threads", "processes", "dask")
 
 
 def measure(folder: Path) -> dict[str, float]:
@@ -24,7 +26,12 @@ def measure(folder: Path) -> dict[str, float]:
     def sweep(where: str, runs: int) -> Any:
         gains = {"controller.K_p": [40.0 + 0.01 * k for k in range(runs)]}
         figures = {"end": lambda run: run["mass.v"][-1], "most": lambda run: run["mass.v"].max()}
-        return ss.sweep(system, gains, figures, where=where, workers=WHERE[where], **options)
+        with ExitStack() as stack:
+            place = where
+            if where == "dask":
+                started = LocalCluster(2, threads_per_worker=1, dashboard_address=":0")
+                place = stack.enter_context(started).scheduler_address
+            return ss.sweep(system, gains, figures, where=place, workers=2, **options)
 
     cases = {
         f"{where} {runs}": lambda where=where, runs=runs: sweep(where, runs)

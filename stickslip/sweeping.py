@@ -88,7 +88,7 @@ def sweep(
     parameters : ``component.variable``, or ``variable`` of one FMU, -> values in its unit
     figures : name -> a function of the result that gives a number
     inputs : signals by exposed input, as of ``simulate``; the same in every run
-    workers, where : how many, and ``threads``, ``processes``, ``local`` or the address of a Dask
+    workers, where : how many, and ``threads``, ``processes`` or the address of a Dask
         scheduler
     progress : whether to show a bar; or a function of how many runs are done and how many there are
     start, stop, step, record and all others : as of ``simulate``

@@ -19,22 +19,10 @@ from typing import Any, ParamSpec, TypeVar
 from stickslip.fmi.messages import installing
 from stickslip.ga.errors import SettingsError, WorkersLost
 from stickslip.ga.execution.evaluation import Evaluate, Packed
-from stickslip.ga.execution.starting import process_start
 
 _log = logging.getLogger(__name__)
 P = ParamSpec("P")
 T = TypeVar("T")
-
-LEAN = {
-    "distributed.comm.compression": None,
-    "distributed.scheduler.active-memory-manager.start": False,
-    "distributed.scheduler.work-stealing": False,
-    "distributed.admin.system-monitor.interval": "10s",
-    "distributed.admin.tick.interval": "1s",
-    "distributed.worker.memory.monitor-interval": "5s",
-    "distributed.worker.profile.enabled": False,
-}
-"""What a cluster of ours leaves out: a tenth of the workers' time on a machine of two cores."""
 
 WITHOUT_WORKERS = 60.0  # how long a scheduler that has no workers is waited for [s]
 LOOK = 1.0  # how often the workers of a scheduler are counted while it is watched [s]
@@ -106,37 +94,20 @@ def _keeping(packed: Packed) -> Any:
 
 
 @contextmanager
-def cluster(where: str, workers: int) -> Iterator[DaskWorkers]:
-    """Open the workers of a running scheduler, or ``local`` ones; see `ga.executor`."""
+def cluster(address: str) -> Iterator[DaskWorkers]:
+    """Open the workers of a running scheduler; see `ga.executor`."""
     if find_spec("distributed") is None:
-        raise SettingsError(f"workers {where!r} need the package distributed; {installing('dask')}")
+        raise SettingsError(
+            f"workers {address!r} need the package distributed; {installing('dask')}"
+        )
     distributed: Any = import_module("distributed")
     with ExitStack() as stack:
         stack.enter_context(_silenced())
-        scheduler = where
-        if where == "local":
-            dask: Any = import_module("dask")
-            with process_start(), dask.config.set(LEAN):
-                try:
-                    started = distributed.LocalCluster(
-                        n_workers=workers,
-                        threads_per_worker=1,
-                        processes=True,
-                        dashboard_address=":0",
-                        silence_logs=logging.CRITICAL,
-                    )
-                except RuntimeError as error:  # a worker does not start
-                    raise SettingsError(
-                        f"Dask cannot start workers on this machine: {error}; they need a /dev/shm"
-                        " that can be written; use threads (--pool threads)"
-                    ) from error
-            scheduler = stack.enter_context(started)
-        else:
-            _require_reachable(where)
-        client = stack.enter_context(distributed.Client(scheduler))
+        _require_reachable(address)
+        client = stack.enter_context(distributed.Client(address))
         # What waits for a lost connection is cancelled already.
         client._timeout = LOOK  # noqa: SLF001
-        watch = _Watch(client, where)
+        watch = _Watch(client, address)
         stack.callback(watch.ended.set)
         try:
             yield stack.enter_context(DaskWorkers(client, watch))

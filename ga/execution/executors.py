@@ -38,9 +38,9 @@ def executor(where: str = "threads", workers: int = 1) -> Iterator[Executor | No
 
     Parameters
     ----------
-    where : ``threads`` or ``processes`` of this machine; ``local``, a Dask cluster that is started
-        on it; or the address of a running Dask scheduler, e.g. ``tcp://10.0.0.1:8786``, whose
-        workers must have the same packages and see the same files
+    where : ``threads`` or ``processes`` of this machine; or the address of a running Dask
+        scheduler, e.g. ``tcp://10.0.0.1:8786``, whose workers must have the same packages and see
+        the same files
     workers : how many; a running scheduler has its own
 
     Yields
@@ -65,12 +65,12 @@ def executor(where: str = "threads", workers: int = 1) -> Iterator[Executor | No
     elif where == "processes":
         with Processes(workers) as processes:
             yield processes
-    elif where == "local" or "://" in where:
-        with cluster(where, workers) as dask:
+    elif "://" in where:
+        with cluster(where) as dask:
             yield dask
     else:
-        what = "local or the address of a Dask scheduler such as tcp://10.0.0.1:8786"
-        raise SettingsError(f"no workers {where!r}; expected threads, processes, {what}")
+        what = "the address of a Dask scheduler such as tcp://10.0.0.1:8786"
+        raise SettingsError(f"no workers {where!r}; expected threads, processes or {what}")
 
 
 class Processes(Executor):

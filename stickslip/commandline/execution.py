@@ -37,16 +37,14 @@ def add_worker_options(parser: argparse._ActionsContainer, what: str) -> None:
         default="threads",
         help="kind of workers on this machine",
     )
-    dask = "run on Dask: the address of a scheduler (tcp://...), or 'local' to start one here"
+    dask = "run on Dask: the address of a scheduler, such as tcp://10.0.0.1:8786"
     add_options(place, {"--cluster ADDRESS": dask}, dest="where", type=_address)
 
 
 def _address(text: str) -> str:
-    known = {"local", "threads", "processes"}  # argparse gives it the default, too
-    if text not in known and "://" not in text:
-        raise argparse.ArgumentTypeError(
-            f"{text!r}; expected local or the address of a scheduler, such as tcp://10.0.0.1:8786"
-        )
+    if text not in {"threads", "processes"} and "://" not in text:  # it gets the default, too
+        what = "expected the address of a scheduler, such as tcp://10.0.0.1:8786"
+        raise argparse.ArgumentTypeError(f"{text!r}; {what}")
     return text
 
 

@@ -23,7 +23,7 @@ class Execution:
     """Where and how safely jobs run; none of it changes a result."""
 
     workers: int = 1  # jobs side by side
-    # ``threads``, ``processes``, ``local`` or the address of a Dask scheduler, see ``ga.executor``
+    # ``threads``, ``processes`` or the address of a Dask scheduler, see ``ga.executor``
     where: str = "threads"
     resume: bool = False  # go on from the results that an interrupted run has kept
 

@@ -35,7 +35,7 @@ def processes():
 @pytest.fixture(scope="module")
 def cluster():
     dask = pytest.importorskip("dask")
-    pytest.importorskip("distributed")  # its defaults would go with ours, if they came after
+    distributed = pytest.importorskip("distributed")
     with (
         dask.config.set(
             {
@@ -44,7 +44,8 @@ def cluster():
                 "distributed.logging.distributed": "critical",
             }
         ),
-        ga.executor("local", 2) as executor,
+        distributed.LocalCluster(2, threads_per_worker=1, dashboard_address=":0") as local,
+        ga.executor(local.scheduler_address) as executor,
     ):
         yield executor
 
@@ -122,7 +123,7 @@ def test_no_client_is_begun_where_no_scheduler_answers(cluster, monkeypatch):
 def test_what_is_not_installed_is_named(monkeypatch):
     monkeypatch.setattr("stickslip.ga.execution.cluster.find_spec", lambda _: None)
     needed = r"distributed.*\[dask\]"
-    with pytest.raises(ga.SettingsError, match=needed), ga.executor("local", 2):
+    with pytest.raises(ga.SettingsError, match=needed), ga.executor("tcp://10.0.0.1:8786"):
         pass
 
 

@@ -31,7 +31,7 @@ def _process(
 
 
 CASES = [
-    Case(30, "address", "no address of a cluster", r".*'yonder'; expected local or the address of a scheduler", "arena --out a --cluster yonder"),
+    Case(30, "address", "no address of a cluster", r".*'yonder'; expected the address of a scheduler", "arena --out a --cluster yonder"),
     _process("sitecustomize", "a crash where Python prints as it starts", r"hostile \(h\.fmu\): fmi2DoStep died of SIGSEGV", "PYTHONPATH", ".", behaviour="DoStep segv 2", sitecustomize='print("printed first")'),
     _process("console", "a name that the console cannot encode", r".*\\u03b1", "PYTHONUTF8", "0", stderr='open(2, "w", encoding="ascii", closefd=False)', parameter="\u03b1=1"),
     _process("cache-is-a-file", "the cache is a file", r".*set STICKSLIP_CACHE to a folder", "STICKSLIP_CACHE", "h.fmu"),
