@@ -23,7 +23,7 @@ _STYLE = "STICKSLIP_SETTINGS"
 """Variable of the environment of a command, and of the processes that it starts."""
 _SETTING = re.compile(
     "<(column|compensator|confirm|controller|drive|encoder_step|evaluations|fixed|force"
-    "|friction_range|gain|input|law|motion|out|rated_force|rated_torque|resume|rig|sample_period"
+    "|force_limit|friction_range|gain|input|law|motion|out|rated_force|rated_torque|resume|rig|sample_period"
     "|scale|seconds|seed|seeds|set|span|stop|tunings|unit)(?: ([^<>]+))?>"
 )
 

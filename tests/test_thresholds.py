@@ -1096,6 +1096,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "log_clock.IN_TURN": (lambda: in_turn(1.0 / 4.0), True, False),
     "kept.FIT_WORSE": (lambda: refined(1.5), "start", "refined"),
     "kept.LOOP_WORSE": (lambda: taken_loop(1.03), "reference", "learned"),
+    "kept.LOOP_BETTER/2": (lambda: taken_loop(1.0), "learned", "reference"),
     "kept.SENSITIVITY": (lambda: is_run(2.5), False, True),
     "kept.CHATTER": (lambda: is_within(chatter=0.45), False, True),
     "kept.FORCE/2": (lambda: is_within(peak=0.7), True, False),

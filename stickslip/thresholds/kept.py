@@ -7,6 +7,10 @@ FIT_WORSE = Threshold(1.1, "decision 124: means of five runs scatter by 1 to 6 %
 start is kept; what only fits the training command leaves 1.2 to 16 times its error."""
 LOOP_WORSE = Threshold(1.02, "runs within an encoder step scatter by 1 to 5 %, medians by 1.6 %")
 """Error or force of a learned loop over that of the reference above which it is not taken."""
+LOOP_BETTER = Threshold(
+    0.98, "runs scatter as above; one at a hundredth of its force, that could not move, had 0.997"
+)
+"""Mean of the same ratios above which the reference stays: what is not better is not changed."""
 SENSITIVITY = Threshold(1.98, "2.0 of textbooks, less 1 % for the error of the identified mass")
 """Peak sensitivity above which a candidate of the loop is not run."""
 CHATTER = Threshold(

@@ -64,6 +64,8 @@ def best_of(algorithm: ga.Optimiser) -> list[dict[str, float]]:
 
 
 def choose(finalists: Sequence[Finalist]) -> Finalist:
-    """Return the cheapest with no ratio above ``kept.LOOP_WORSE``, or the last, the reference."""
-    good = [one for one in finalists[:-1] if max(one.ratios.values()) <= kept.LOOP_WORSE]
+    """Return the cheapest that is better and in no ratio worse, or the last, the reference."""
+    found = [(one, [*one.ratios.values()]) for one in finalists[:-1]]
+    better = [(one, each) for one, each in found if np.mean(each) <= kept.LOOP_BETTER]
+    good = [one for one, each in better if max(each) <= kept.LOOP_WORSE]
     return min([*good, finalists[-1]], key=lambda one: one.cost)

@@ -130,7 +130,10 @@ def _of_system(
     from stickslip.studies.tune.writing import changed, sentence_of, write_optimised
 
     if not (ranges and options.cost):
-        raise UsageError(f"{options.file}: a system is tuned with --set-range and --cost")
+        what = f"{options.file}: a system is tuned with --set-range and --cost"
+        if options.file.is_dir():
+            what = f"{options.file}: a folder; expected its learned.json or tuned.json"
+        raise UsageError(what)
     names = ("evaluations", "algorithm", "seed", "workers", "stop", "step")
     given: dict[str, Any] = {name: getattr(options, name) for name in names}
     if options.input:

@@ -9,6 +9,7 @@ from statistics import geometric_mean
 import pandas as pd
 
 from stickslip import ga
+from stickslip.errors import UsageError
 from stickslip.learned.file import LearnedFile
 from stickslip.loops.drive_loop import DriveLoop
 from stickslip.loops.family_cost import FamilyCost, cost_of, ratios
@@ -173,6 +174,12 @@ def tune_drive(
     sheet = learned.datasheet
     if settings.force_limit:
         sheet = replace(sheet, peak_force=settings.force_limit)
+    if not sheet.peak_force > (F_c := learned.friction["F_c"]):
+        unit = start.loop.axis.unit("N")
+        raise UsageError(
+            f"the force limit is {sheet.peak_force:g} {unit} and Coulomb friction {F_c:.3g} {unit}:"
+            " the drive cannot move; give the limit of motor or amplifier with <force_limit>"
+        )
     progress.stage("building the drives of the family")
     with (
         learned.bench(start.loop, sheet, settings.workers) as bench,

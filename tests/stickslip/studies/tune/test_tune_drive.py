@@ -277,6 +277,13 @@ def test_what_cannot_be_tuned_is_refused(learned, ranges, fixed, says):
         ss.tune(learned(), ranges, fixed=fixed)
 
 
+def test_a_limit_below_the_friction_is_refused(learned):
+    with pytest.raises(
+        UsageError, match="5 N and Coulomb friction 6 N: the drive cannot"
+    ):
+        ss.tune(learned(), force_limit=5.0)
+
+
 def test_a_file_without_a_loop_is_refused(learned):
     path = learned()
     document = json.loads(path.read_text())
