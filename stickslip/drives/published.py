@@ -21,6 +21,7 @@ from stickslip.toml_files import read_toml
 
 FOLDER = Path(parameters.__file__).parent / "drives"
 UNLIMITED = 1e9  # [N] or [N m], for a drive whose largest force is not published
+_INTERVAL = 1.96  # half-width of a 95 % interval, in standard errors
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,10 @@ class Drive:
         block = file.position_force
         held = {name: one for name, one in block.values.items() if one} if block else {}
         values = {**held, **file.drive}
+        for name in ("F_0", "delay"):  # what the log does not tell from none is left out
+            error = file.document.get(name, {}).get("standard_error", 0.0)
+            if abs(values[name]) < _INTERVAL * error:
+                values[name] = 0.0
         found = cls("drive", "learned drive", file.law, values=values, rotary=file.rotary)
         if not found.values["m"] > 0.0:
             raise UsageError(

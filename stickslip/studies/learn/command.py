@@ -279,8 +279,13 @@ def print_estimation(estimation: Estimation, predicted: Sequence[PredictedLog] =
         meant = "exponent of the Stribeck curve, 1 or 2" if name == "delta" else one.description
         print(f"{name:8} {value:12.6g} {one.unit:9} {meant}")
     force = unit_of("F_c", rotary=rotary)
-    print(f"{'offset':8} {estimation.F_0:12.6g} {force:9} constant force against the motor")
-    print(f"{'delay':8} {estimation.delay:12.6g} {'s':9} delay of the force beyond that of the log")
+    errors = estimation.fitted.errors
+    for label, name, unit, what in (
+        ("offset", "F_0", force, "constant force against the motor"),
+        ("delay", "delay", "s", "delay of the force beyond that of the log"),
+    ):
+        error = f"; standard error {errors[name]:.2g}" if name in errors else ""
+        print(f"{label:8} {estimation.parameters[name]:12.6g} {unit:9} {what}{error}")
     if estimation.position_force:
         print("\nforce of position, beside mass and friction")
         print(tables.position_force(estimation).text(), tables.HELD, sep="\n", end="\n\n")

@@ -19,11 +19,20 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
     """Return the content of learned.json for what one recording gave, values in SI units."""
     estimation, loop = learned.estimation, learned.known_loop
     rotary = estimation.recording.rotary
+    errors = estimation.fitted.errors
     document: dict[str, Any] = {
         "schema": writing.SCHEMA,
         "parameters": tables.parameters(estimation).by_key(),
-        "F_0": {"value": estimation.F_0, "unit": unit_of("F_c", rotary=rotary)},
-        "delay": {"value": estimation.delay, "unit": "s"},
+        "F_0": {
+            "value": estimation.F_0,
+            "unit": unit_of("F_c", rotary=rotary),
+            "standard_error": errors.get("F_0", 0.0),
+        },
+        "delay": {
+            "value": estimation.delay,
+            "unit": "s",
+            "standard_error": errors.get("delay", 0.0),
+        },
         "T_s": {"value": estimation.recording.T_s, "unit": "s"},
         **state(estimation.chosen, partial(unit_of, rotary=rotary)),
         "log": estimation.recording.source,

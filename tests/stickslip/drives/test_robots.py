@@ -47,6 +47,15 @@ def changed(name, **values):
     return replace(one, values={**one.values, **values})
 
 
+@pytest.mark.parametrize(("error", "kept"), [(0.4, True), (0.6, False)])
+def test_a_constant_force_that_a_log_does_not_tell_from_none_is_left_out(tmp_path, error, kept):
+    document = json.loads(LEARNED.read_text())
+    document["F_0"] = {"value": 1.0, "unit": "N", "standard_error": error}
+    path = tmp_path / "learned.json"
+    path.write_text(json.dumps(document))
+    assert Drive.learned(path).values["F_0"] == (1.0 if kept else 0.0)
+
+
 @pytest.mark.parametrize(
     ("one", "tolerance"),
     [

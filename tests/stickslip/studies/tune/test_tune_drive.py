@@ -278,9 +278,7 @@ def test_what_cannot_be_tuned_is_refused(learned, ranges, fixed, says):
 
 
 def test_a_limit_below_the_friction_is_refused(learned):
-    with pytest.raises(
-        UsageError, match="5 N and Coulomb friction 6 N: the drive cannot"
-    ):
+    with pytest.raises(UsageError, match="5 N and Coulomb friction 6 N: the drive cannot"):
         ss.tune(learned(), force_limit=5.0)
 
 
