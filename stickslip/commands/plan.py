@@ -17,6 +17,7 @@ from stickslip.commandline import FLAG, SEVERAL, add_options, positive, warn
 from stickslip.commandline.assignments import split_assignments
 from stickslip.errors import UsageError
 from stickslip.fmi.files import atomic_write
+from stickslip.logs.description import Description
 from stickslip.logs.recording import Motion
 from stickslip.logs.units import QUANTITIES, Unit, motion_of, parse_quantity, unit_named
 from stickslip.output import Answer
@@ -65,7 +66,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("the drive", "With these, it is printed what will not show.")
     for name, (_, unit, text) in _KNOWN.items():
         add_options(group, {f"--{name} {unit}": text})
-    gain = {"--gain NAME=VALUE": "K_p and K_i of the velocity loop; SI units"}
+    gain = {"--gain NAME=VALUE": "those of the controller, of which K_p and K_i count; SI units"}
     add_options(group, gain, **SEVERAL)
     out = {"--out FILE.csv": "file of the command (default plan.csv)"}
     add_options(parser, out, type=Path, default=Path("plan.csv"))
@@ -154,9 +155,10 @@ def _limits(options: argparse.Namespace) -> tuple[Limits, Unit, DataSheet]:
     for name, (quantity, *_) in (_OPTIONS | _KNOWN).items():
         if (text := getattr(options, name)) is not None:
             (values if name in _OPTIONS else known)[name] = read(name, text, quantity)
-    for name, value in split_assignments(options.gain, "--gain", ("K_p", "K_i")).items():
+    for name, value in split_assignments(options.gain, "--gain", Description.GAINS).items():
         try:
-            known[name] = positive(value)
+            if name in ("K_p", "K_i"):  # those of the other parts tell nothing here
+                known[name] = positive(value)
         except argparse.ArgumentTypeError as error:
             raise UsageError(f"--gain {name}: {error}") from None
     if options.travel:

@@ -200,7 +200,9 @@ def _signals(recording: Recording, controller: Controller) -> Iterator[Finding]:
             yield Finding("note", what, advice="the amplifier is taken to follow")
     if controller.needs and getattr(recording, controller.needs) is None:
         what = f"a {controller.kind} controller, but no {controller.needs}"
-        yield Finding("error", what, advice=f"give <column {controller.needs}=NAME>")
+        sent = "; the command that was sent has it, as the table of 'stickslip plan'"
+        advice = f"give <column {controller.needs}=NAME>"
+        yield Finding("error", what, advice=advice + sent * ("position" in controller.needs))
 
 
 def _quantisation(recording: Recording, shown: Excitation) -> Iterator[Finding]:

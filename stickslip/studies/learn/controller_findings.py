@@ -34,12 +34,14 @@ def check_description(reading: Reading) -> Iterator[Finding]:
         differs = f"it differs by {100 * check.error:.2g} %"
         if check.factor != 1.0:
             differs = f"the logged force is {check.factor:.3g} times as large"
+        given = reading.recording.position_command is not None
+        path = "the position command, of which half a sample counts, " if given else ""
         yield Finding(
             "warning",
             "the controller as described does not command the logged force",
             f"{differs}; expected at most {100 * control_match.NEAR:g} %",
-            "check gains, tau_f, feedforward, the unit of the force and its limit; learn would try "
-            "compensators in another loop",
+            f"check {path}gains, tau_f, feedforward, the unit of the force and its limit; learn"
+            " would try compensators in another loop",
         )
 
 
