@@ -183,6 +183,9 @@ def _limits(options: argparse.Namespace) -> tuple[Limits, Unit, DataSheet]:
     given = [unit for unit in lengths if unit and unit.quantity == kind]
     fallback = Unit("rad", "angle", 1.0) if chosen == "rotary" else Unit("m", "length", 1.0)
     limits = replace(ROTARY if chosen == "rotary" else LINEAR, **values)
+    if known.get("encoder", 0.0) > limits.stroke:
+        what = f"--encoder {options.encoder}: expected one step, less than the stroke"
+        raise UsageError(f"{what}; of n counts a turn it is 6.28319 / n rad")
     return limits, (*given, fallback)[0], DataSheet(**known)
 
 

@@ -437,6 +437,7 @@ def test_design_prints_what_was_asked_for(tmp_path, capsys):
         ("or a step of 0.3333", "simulate STAGE --stop 1 --step 0.3"),
         ("a folder without a .fmu or .ssp", "check tests/control"),
         ("an FMU already", "export STAGE"),
+        ("expected one step, less than the stroke", "plan --motion rotary --encoder 1048576"),
         ("expected a file", "simulate loop.xml"),
         ("expected a file .ssp or .fmu", "info a.xml"),
         ("out of reach", "design --phase-margin 89"),
