@@ -10,7 +10,7 @@ from nicegui import events, run, ui
 import stickslip as ss
 from stickslip.app import charts, jobs
 from stickslip.app.jobs import FAULTS, message_of
-from stickslip.app.shown import QUIET, attempt, chart, follow, lines_of, told
+from stickslip.app.shown import QUIET, attempt, busy, chart, follow, lines_of, refreshed, told
 from stickslip.app.workbench import Workbench
 
 
@@ -106,7 +106,7 @@ def learn_part(work: Workbench) -> None:
     form = LogForm()
     with ui.row().classes("w-full items-end gap-4"):
         log = ui.select(work.logs(), label="Logs", multiple=True, with_input=True)
-        log.classes("grow min-w-60").props("use-chips")
+        refreshed(log.classes("grow min-w-60").props("use-chips"), work.logs)
         config = ui.select({}, label="Description (TOML)", clearable=True).classes("w-56")
 
         async def uploaded(event: events.UploadEventArguments) -> None:
@@ -167,6 +167,8 @@ def learn_part(work: Workbench) -> None:
             signals = ui.column().classes("w-full")
 
         def begin() -> None:
+            if busy(outcome):
+                return
             try:
                 description = form.description()
             except FAULTS as fault:

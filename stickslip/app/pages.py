@@ -7,6 +7,7 @@ from nicegui import ui
 from stickslip.app.learning import learn_part
 from stickslip.app.results import results_part
 from stickslip.app.searching import arena_part, tune_part
+from stickslip.app.shown import quiet
 from stickslip.app.simulating import simulate_part
 from stickslip.app.workbench import Workbench
 
@@ -33,7 +34,8 @@ def page(work: Workbench) -> None:
     ui.add_css(STYLE)
     with ui.header().classes("items-center px-4 py-0 gap-4 flex-nowrap"):
         ui.label("stickslip").classes("text-lg font-bold max-sm:hidden")
-        with ui.tabs().props("dense mobile-arrows no-caps").classes("grow min-w-0") as tabs:
+        tabs = ui.tabs(on_change=quiet).props("dense mobile-arrows no-caps")
+        with tabs.classes("grow min-w-0"):
             for name in PARTS:
                 ui.tab(name)
     with ui.tab_panels(tabs, value=next(iter(PARTS))).classes("wide bg-transparent"):

@@ -3,7 +3,7 @@
 from nicegui import ui
 
 import stickslip as ss
-from stickslip.app.shown import PAGES, QUIET, attempt, follow, report, show_results
+from stickslip.app.shown import PAGES, QUIET, attempt, follow, refreshed, report, show_results
 from stickslip.app.workbench import LEARNED, Workbench
 
 
@@ -16,7 +16,7 @@ def results_part(work: Workbench) -> None:
 
     chosen = ui.select(names(), label="Results", multiple=True)
     chosen.classes("w-full").props("use-chips")
-    chosen.on("popup-show", lambda: chosen.set_options(names()))
+    refreshed(chosen, names)
     place = ui.column().classes("w-full")
 
     async def show() -> None:

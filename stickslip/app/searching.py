@@ -7,7 +7,7 @@ from nicegui import ui
 
 import stickslip as ss
 from stickslip.app import jobs
-from stickslip.app.shown import QUIET, follow, told
+from stickslip.app.shown import QUIET, busy, follow, refreshed, told
 from stickslip.app.workbench import LEARNED, MODELS, Workbench
 
 WORKERS = os.cpu_count() or 1
@@ -25,7 +25,9 @@ def tune_part(work: Workbench) -> None:
         cost = ui.select(work.files({".toml"}), label="Cost (TOML)", clearable=True).classes("w-48")
         evaluations = ui.number("Candidates", value=150, min=1, format="%d").classes("w-24")
         seed = ui.number("Seed", value=0, min=0, format="%d").classes("w-16")
-    file.on("popup-show", lambda: file.set_options(_learned(work), value=file.value))
+        stop = ui.number("Stop time [s]", min=0.0).props("stack-label placeholder='of the file'")
+    refreshed(file, lambda: _learned(work))
+    refreshed(cost, lambda: work.files({".toml"}))
     ranges = ui.input(
         "Ranges", placeholder="controller.K_p=1000:5000 controller.K_i=10000:200000"
     ).classes("w-full")
@@ -36,6 +38,8 @@ def tune_part(work: Workbench) -> None:
     def begin() -> None:
         if not file.value:
             told("choose a learned drive, an FMU or an SSP first")
+            return
+        if busy(place):
             return
         pairs = (word.partition("=") for word in (ranges.value or "").split())
         spans = {name: span.split(":") for name, _, span in pairs}
@@ -49,6 +53,7 @@ def tune_part(work: Workbench) -> None:
             evaluations=int(evaluations.value or 10),
             seed=int(seed.value or 0),
             workers=WORKERS,
+            **({"stop": stop.value} if stop.value and not learned else {}),
         )
         follow(work, job, place)
 
@@ -80,6 +85,8 @@ def arena_part(work: Workbench) -> None:
         seeds = ui.number("Runs of each command", value=1, min=1, format="%d").classes("w-40")
 
     def begin() -> None:
+        if busy(place):
+            return
         given = {"laws": laws.value or None, "compensators": names.value.split() or None}
         budget = {
             "evaluations": int(evaluations.value or 10),

@@ -3,30 +3,64 @@
 import json
 import shutil
 import tempfile
-from collections.abc import Awaitable, Callable, Iterable
+from collections.abc import Awaitable, Callable, Iterable, MutableMapping
 from functools import partial
 from pathlib import Path
 from typing import Any
+from weakref import WeakKeyDictionary
 
-from nicegui import run, ui
+from nicegui import Client, run, ui
 
 from stickslip.app import charts, jobs
 from stickslip.app.jobs import FAULTS, Job, message_of
 from stickslip.app.workbench import LEARNED, Workbench
 
 EVERY = 0.4  # time between two looks at a job [s]
+EMPTY = 2.0  # time between two looks for what an empty field could have [s]
+_TOLD: MutableMapping[Client, ui.notification] = WeakKeyDictionary()
+_FOLLOWED: MutableMapping[ui.element, Job] = WeakKeyDictionary()
 QUIET = "text-sm opacity-70"
 DEPLOY = "deploy"  # the folder of what goes to the controller
 PAGES = ("report.html", "arena.html")
 
 
 def told(text: str) -> None:
-    """Show the line of an error."""
-    ui.notify(text, type="negative", multi_line=True, timeout=0, close_button="Close")
+    """Show the line of an error in place of the one before."""
+    quiet()
+    _TOLD[ui.context.client] = ui.notification(
+        text, type="negative", multi_line=True, timeout=None, close_button="Close"
+    )
+
+
+def quiet() -> None:
+    """Take the line of an error away, as something else is done."""
+    if line := _TOLD.pop(ui.context.client, None):
+        line.dismiss()
+
+
+def refreshed(field: ui.select, options: Callable[[], Any]) -> ui.select:
+    """Return a field that has what there is when it is opened; an empty one cannot be."""
+
+    def look() -> None:
+        field.set_options(options(), value=field.value)
+
+    field.on("popup-show", look)
+    ui.timer(EMPTY, lambda: None if field.options else look())
+    return field
+
+
+def busy(place: ui.element) -> bool:
+    """Tell whether what was begun here still runs, and say so."""
+    job = _FOLLOWED.get(place)
+    if job is None or job.ended:
+        return False
+    told(f"{job.name} still runs; stop it first, or begin in another tab of the browser")
+    return True
 
 
 async def attempt(work: Callable[..., Any], *args: Any, **given: Any) -> Any:
     """Return what work beside the server returns; show the line of an error, and return None."""
+    quiet()
     try:
         return await run.io_bound(work, *args, **given)
     except (*FAULTS, RuntimeError) as fault:
@@ -188,6 +222,7 @@ def follow(work: Workbench, job: Job, place: ui.element) -> None:
             show_results(work, job.name, job)
 
     place.clear()
+    _FOLLOWED[place] = job
     with place:
         results = ui.column().classes("w-full")  # what is to be known first, above its course
         show_job(job, ended)

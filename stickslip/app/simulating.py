@@ -10,7 +10,7 @@ from nicegui import ui
 
 import stickslip as ss
 from stickslip.app import charts
-from stickslip.app.shown import QUIET, attempt, chart, lines_of
+from stickslip.app.shown import QUIET, attempt, chart, lines_of, refreshed
 from stickslip.app.workbench import MODELS, Workbench
 
 SLIDERS, SIGNALS = 6, 4  # that are shown at first
@@ -24,7 +24,7 @@ ONE_RUN = Lock()  # at a time: Python collects the warnings of a process, not of
 def simulate_part(work: Workbench) -> None:
     """Choose a file, move its parameters and see what it does."""
     file = ui.select(work.files(MODELS), label="FMU or SSP", with_input=True).classes("w-full")
-    file.on("popup-show", lambda: file.set_options(work.files(MODELS), value=file.value))
+    refreshed(file, lambda: work.files(MODELS))
     place = ui.column().classes("w-full")
 
     async def opened() -> None:
@@ -83,8 +83,7 @@ class Bench:
                     self.step.props("placeholder=automatic stack-label")
                 table = ui.select(work.files(TABLES), label="Input signals", clearable=True)
                 table.classes("w-full").props("hint='a table with columns time and one per input'")
-                table.on("popup-show", lambda: table.set_options(work.files(TABLES)))
-                self.table = table
+                self.table = refreshed(table, lambda: work.files(TABLES))
                 label, chosen = "Inputs and parameters", spread(self.rows, self.exposed)[:SLIDERS]
                 self.names = ui.select(
                     [*self.rows], label=label, value=chosen, multiple=True, with_input=True

@@ -29,7 +29,14 @@ def check_log(
     RecordingError, UsageError
         When the log cannot be read, or lacks a signal.
     """
-    return read_and_check(Path(path), description or Description(), known=with_position_force)
+    reading, findings = read_and_check(
+        Path(path), description or Description(), known=with_position_force
+    )
+    if any(one.severity == "error" for one in findings):
+        return reading, findings
+    from stickslip.studies.learn.controller_findings import check_description  # late: runs FMUs
+
+    return reading, (*findings, *check_description(reading))
 
 
 def log_columns(path: Path | str, description: Description | None = None) -> dict[str, str]:

@@ -117,6 +117,8 @@ def test_from_a_dropped_log_to_the_downloaded_compensator(brief_server, browser,
     choose(page, "Friction law", "dahl")
     page.get_by_label("Compensator").first.fill("static")
     page.get_by_role("button", name="Learn").click()
+    page.get_by_role("button", name="Learn").click()
+    page.get_by_text("learn-log-1 still runs; stop it first").wait_for()
     page.get_by_text("Importances").wait_for(timeout=LONG)
     page.get_by_text("Coulomb feedforward (static)").first.wait_for(timeout=LONG)
     check = page.get_by_text("drive disabled: a slow positive")
@@ -135,6 +137,11 @@ def test_from_a_dropped_log_to_the_downloaded_compensator(brief_server, browser,
     assert offered == {"unnamed.csv", log.name, second.name}  # no table of results
     learned = json.loads((folder / "runs/learn-log-1/learned.json").read_text(encoding="utf-8"))
     assert {*learned["sha256"]} == {log.name, second.name}
+
+    # The field of results was empty when the other tab was opened.
+    other.get_by_role("tab", name="Results").click()
+    choose(other, "Results", "learn-log-1")
+    other.get_by_text("drive disabled: a slow positive").wait_for()
 
     process.send_signal(signal.SIGINT)
     page.get_by_text("The server has gone.").wait_for()
