@@ -45,6 +45,22 @@ def forms(gains: Mapping[str, float], T_s: float) -> dict[str, dict[str, float]]
     return found
 
 
+COMMANDS = {
+    "position command half a sample later than the log's": 0.5,
+    "position command half a sample earlier than the log's": -0.5,
+}
+"""Samples by which the sum of a velocity command lags its integral, if added up after its use."""
+
+
+def moved_command(gains: Mapping[str, float], T_s: float, samples: float) -> dict[str, float]:
+    """Return gains with which the position command is that of some samples before.
+
+    Of the command x the part T v is the same as less feedforward of the velocity v.
+    """
+    ahead = gains.get("velocity_feedforward", 1.0) - samples * gains.get("T_s", T_s) * gains["K_x"]
+    return {**gains, "velocity_feedforward": ahead}
+
+
 def _time_constant(low_pass: str, tau_f: float, T_s: float) -> float:
     """Return tau_f [s] of the exact low-pass that weighs its input as a difference quotient does.
 
@@ -144,7 +160,16 @@ def check_controller(
         trials = forms(gains, T_s)
         checks = [compared(trial, form) for form, trial in trials.items()]
         check = _believed(checks[0], min(checks, key=lambda check: check.error))
-        if check.error > control_match.EXACT and "u_max" not in gains:
+        if check.error > control_match.EXACT and gains.get("K_x"):
+            late = [
+                compared(
+                    moved_command(trials[check.form], T_s, samples),
+                    ", ".join(filter(None, (check.form, form))),
+                )
+                for form, samples in COMMANDS.items()
+            ]
+            check = _believed(check, min(late, key=lambda check: check.error))
+        if check.error > control_match.EXACT and "u_max" not in gains and check.form in trials:
             form = ", ".join(filter(None, (check.form, LIMITED)))
             limits = np.quantile(np.abs(force), LEVELS)
             limited = [compared({**trials[check.form], "u_max": at}, form) for at in limits]

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from stickslip.identification.criteria.controller_check import check_controller
 from stickslip.identification.criteria.known_loop import KnownLoop, fmu_gains
@@ -75,6 +76,27 @@ def test_what_the_controller_remembers_is_found(candidates, motion, shift):
     assert (check.shift, check.form) == (shift, "")
     assert check.error < 1e-9
     np.testing.assert_allclose(check.force[:-1], force[:-1], atol=1e-9 * np.abs(force).max())
+
+
+@pytest.mark.parametrize("late", [0.5, -0.5])
+def test_a_position_command_that_is_another_sum_of_the_velocity_command_is_found(
+    candidates, motion, late
+):
+    """The controller adds a velocity command up before or after its use; the log has the mean."""
+    t, x, *_ = motion
+    v_cmd = 0.07 * np.cos(7.0 * t)  # of the motion but for its noise
+    gains = {"K_p": 300.0, "K_i": 9000.0, "K_x": 25.0, "tau_f": 3e-3, "T_s": T_S}
+    x_cmd = np.append(0.0, np.cumsum(0.5 * T_S * (v_cmd[1:] + v_cmd[:-1])))
+    own = x_cmd - late * T_S * v_cmd
+    v = lfilter([WEIGHTS[""]], [1.0, WEIGHTS[""] - 1.0], np.diff(x, prepend=x[0]) / T_S)
+    e = gains["K_x"] * (own - x) + v_cmd - v
+    force = gains["K_p"] * e + gains["K_i"] * T_S * np.cumsum(e)
+    recording = Recording(t, x, force, velocity_command=v_cmd, position_command=x_cmd)
+    check = check_controller(candidates, recording, gains)
+    way = "later" if late > 0.0 else "earlier"
+    assert check.form == f"position command half a sample {way} than the log's"
+    assert check.error < 1e-9
+    assert check_controller(candidates, recording, {**gains, "K_x": 30.0}).error > 0.01
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.3])
