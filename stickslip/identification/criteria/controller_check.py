@@ -161,14 +161,13 @@ def check_controller(
         checks = [compared(trial, form) for form, trial in trials.items()]
         check = _believed(checks[0], min(checks, key=lambda check: check.error))
         if check.error > control_match.EXACT and gains.get("K_x"):
-            late = [
-                compared(
-                    moved_command(trials[check.form], T_s, samples),
-                    ", ".join(filter(None, (check.form, form))),
-                )
-                for form, samples in COMMANDS.items()
-            ]
-            check = _believed(check, min(late, key=lambda check: check.error))
+            late = [check]
+            for form, samples in COMMANDS.items():
+                moved = moved_command(trials[check.form], T_s, samples)
+                if moved["velocity_feedforward"] >= 0.0:
+                    named = ", ".join(filter(None, (check.form, form)))
+                    late.append(compared(moved, named))
+            check = _believed(check, min(late, key=lambda one: one.error))
         if check.error > control_match.EXACT and "u_max" not in gains and check.form in trials:
             form = ", ".join(filter(None, (check.form, LIMITED)))
             limits = np.quantile(np.abs(force), LEVELS)
