@@ -27,6 +27,7 @@ _SETTING = re.compile(
     "|scale|seconds|seed|seeds|set|span|stop|tunings|unit)(?: ([^<>]+))?>"
 )
 
+_PAIR = re.compile(r"(\w+)=(.*?)(?= \w+=|$)")
 _OTHERWISE = {
     "drive": "drives", "force": "force=True", "gain": "gains", "input": "inputs",
     "out": "folder", "resume": "resume=True", "set": "parameters",
@@ -87,7 +88,7 @@ def _keyword(found: re.Match[str]) -> str:
     if name in _OTHERWISE:
         return _OTHERWISE[name]
     if name in ("column", "unit", "scale") and value:
-        pairs = re.findall(r"(\w+)=(.*?)(?= \w+=|$)", value)
+        pairs = _PAIR.findall(value)
         part = name.replace("column", "name")
         columns = (f'"{role}": Column({part}={_literal(text)})' for role, text in pairs)
         return f"columns={{{', '.join(columns)}}}"
@@ -99,9 +100,10 @@ def _keyword(found: re.Match[str]) -> str:
 def _field(found: re.Match[str]) -> str:
     name, value = found.groups()
     if name in ("column", "unit", "scale") and value:
-        role, _, text = value.partition("=")
         of = "" if name == "column" else f"{name} of "
-        return f"{text} in the field '{of}{role.replace('_', ' ')}'"
+        pairs = _PAIR.findall(value)
+        fields = (f"{text} in the field '{of}{role.replace('_', ' ')}'" for role, text in pairs)
+        return ", ".join(fields)
     label = f"the field '{_FIELDS.get(name, name.replace('_', ' '))}'"
     return f"{value} in {label}" if value else label
 

@@ -35,6 +35,7 @@ class LogForm:
         self.columns: dict[str, dict[str, Any]] = {}
         self.single: dict[str, Any] = {}
         self.controller: Any = None
+        self.confirm: Any = None
         self.gains: Any = None
 
     def build(self, base: ss.Description, names: Mapping[str, str]) -> None:
@@ -70,7 +71,8 @@ class LogForm:
             for key in self.SINGLE:
                 value = getattr(base, key)
                 self.single[key] = ui.input(key.replace("_", " "), value=value and str(value))
-            for field in self.single.values():
+            self.confirm = ui.input("confirm", value=" ".join(base.confirm))
+            for field in (*self.single.values(), self.confirm):
                 field.classes("w-36")
 
     def detected(self, reading: ss.Reading) -> None:
@@ -97,6 +99,7 @@ class LogForm:
             columns=columns,
             controller=self.controller.value,
             gains={name: number(value) for name, _, value in pairs},
+            confirm=tuple((self.confirm.value or "").split()),
             **{name: number(field.value) for name, field in self.single.items()},
         )
 
