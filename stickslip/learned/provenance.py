@@ -72,8 +72,8 @@ def _texts(learned: LearnedFile, share: float | None, alone: str) -> Iterator[st
     if others:
         yield f"What learn wrote, to be used as a whole: {' and '.join(named)}"
     if errors := verdict.get("errors"):
-        beside = f", with {' and '.join(others)}:" if others else ":"
-        yield f"Predicted share of the error that friction causes that what was written leaves{beside}"
+        leaves = f"leaves, with {' and '.join(others)}:" if others else "leaves:"
+        yield f"Predicted share of the error that friction causes that what was written {leaves}"
         for one in errors:
             shares = one["left"] / one["without"], one["low"], one["high"]
             left, low, high = (number(100.0 * each, 2) for each in shares)

@@ -232,6 +232,7 @@ def check_deployment(folder, tuned):
         assert (folder / "deploy" / f"{block.name}.c").exists()
     assert (folder / "deploy" / "added_force.xml").exists()
     head = (folder / "deploy" / "added_force.h").read_text(encoding="utf-8")
+    head = re.sub(r"\n[ *]*", " ", head)
     for name in ("K_x", "K_p", "K_i", "tau_f", "T_s", "velocity_feedforward"):
         assert f"{name} = {getattr(tuned.loop, name):.5g}" in head
     page = re.sub("<[^>]*>", "", (folder / "deploy" / "steps.html").read_text(encoding="utf-8"))
