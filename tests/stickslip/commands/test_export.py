@@ -148,6 +148,11 @@ def test_what_learn_wrote_is_deployed_behind_one_call_and_nothing_else_is(export
         (True, "the log states no force_limit"),
     ):
         assert (words in page) == shown
+    for limit, is_known in ((50.0, True), (1e3 * PAPER["F_s"], False)):  # the latter is assumed
+        entries["datasheet"] = {"peak_force": {"value": limit, "unit": "N.m"}}
+        assert export("deploy", **entries)[0] == 0
+        page = (tmp_path / PAGE).read_text()
+        assert (f"the force_limit of the log: {limit:.4g} N\xa0m" in page) == is_known
 
 
 HELD = {
