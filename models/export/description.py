@@ -174,7 +174,8 @@ class Model:
                 raise StartValueError(what) from None
             _check_range(variable, number, StartValueError, self.name)
             variables[name] = replace(variable, start=number)
-        return replace(self, variables=tuple(variables.values()))
+        step = variables["T_s"].start if "T_s" in start else self.step
+        return replace(self, step=step, variables=tuple(variables.values()))
 
 
 def read_model(folder: Path, law: Law | None = None) -> Model:

@@ -130,5 +130,6 @@ def _memory(blocks: Sequence[Model]) -> str:
 
 
 def _of_rotary(comment: re.Match[str]) -> str:
-    """Return a comment with the units of a rotary drive in brackets."""
-    return re.sub(r"\[.*?\]", lambda unit: motion_unit(unit[0], rotary=True), comment[0])
+    """Return a comment with the units of a rotary drive in brackets, and its words."""
+    text = comment[0].replace("Moving mass", "Moment of inertia").replace("the stage", "the axis")
+    return re.sub(r"\[.*?\]", lambda unit: motion_unit(unit[0], rotary=True), text)

@@ -165,7 +165,8 @@ def _source(model: Model) -> str:
     states = "&c->states" if model.fields.get("state") else "NULL"
     parts = f"{states}, &c->memory, &c->inputs, &c->parameters"
     starts = "".join(
-        f"    c->{_STRUCTS[v.role].lower()}.{_member(v)} = R({float(v.start)!r}); /* {unit(v)} */\n"
+        f"    c->{_STRUCTS[v.role].lower()}.{_member(v)} = "
+        f"R({float(v.start)!r}); /* [{unit(v)}] */\n"
         for v in model.variables
         if v.role in ("parameter", "state")
     )

@@ -92,8 +92,10 @@ def _folded(line: re.Match[str]) -> str:
 def combined_st(blocks: Sequence[Model]) -> str:
     """Return the function block ``Added_force``, which contains those of the blocks."""
     calls, kinds, last, inside = [], [], "", r"\1_block.\2"
+    ahead = [block for block in blocks if ("F_ff", ()) in block.fields["output"]]
     for block, given, force in _wired(blocks):
-        values = given if block.sampled else {"h": "1.0", **given}  # its force does not depend on h
+        values = {"reset": "reset", **given}
+        values |= {} if block.sampled else {"h": "1.0"}  # its force does not depend on h
         arguments = ", ".join(f"{name} := {source}" for name, source in values.items())
         calls.append(f"    {block.name}_block({_PART.sub(inside, arguments)});")
         kinds.append(f"    {block.name}_block : {block.name.capitalize()};")
@@ -103,12 +105,15 @@ def combined_st(blocks: Sequence[Model]) -> str:
             "(* Call it once in each period of the controller. The first call begins at rest. *)",
             f"FUNCTION_BLOCK {ADDED_FORCE.capitalize()}\nVAR_INPUT",
             *(f"    {name} : LREAL; (* [{of}] {said} *)" for name, (of, said) in SIGNALS.items()),
+            "    reset : BOOL; (* TRUE: each call is like the first *)",
             f"END_VAR\nVAR_OUTPUT\n    F : LREAL; (* {RESULT} *)",
+            *(f"    F_ff : LREAL; (* [N] Force of {block.name} *)" for block in ahead),
             "    valid : BOOL; (* FALSE: do not use F *)\nEND_VAR\nVAR",
             *kinds,
             "END_VAR",
             *calls,
             f"    F := {last};",
+            *(f"    F_ff := {block.name}_block.F_ff;" for block in ahead),
             f"    valid := {' AND '.join(f'{block.name}_block.valid' for block in blocks)};",
             "END_FUNCTION_BLOCK\n",
         ]

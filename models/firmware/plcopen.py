@@ -19,7 +19,7 @@ _SECTION = re.compile(r"^VAR(|_INPUT|_OUTPUT|_IN_OUT)\n(.*?)^END_VAR\n", re.DOTA
 _PARTS = {"": "localVars", "_INPUT": "inputVars", "_OUTPUT": "outputVars", "_IN_OUT": "inOutVars"}
 _VARIABLE = re.compile(rf"^ +(\w+) : (\w+)(?: := (.*?))?;(?: {_COMMENT})?$", re.MULTILINE)
 _ELEMENTARY = ("LREAL", "INT", "DINT", "BOOL")
-_DATE = "1980-01-01T00:00:00"  # of every file, so that the same code gives the same bytes
+_STATED = r"learned on (\d{4}-\d\d-\d\d) ", r"exported with (\S+)"  # in the head of the code
 
 
 def plcopen_text(name: str, text: str) -> str:
@@ -27,8 +27,11 @@ def plcopen_text(name: str, text: str) -> str:
     from lxml import etree  # late, for those who start quickly
 
     project = etree.Element("project", nsmap={None: _TC6})
-    header = {"companyName": "stickslip", "productName": "stickslip", "productVersion": "1"}
-    _add(project, "fileHeader", **header, creationDateTime=_DATE)
+    date, version = (re.search(pattern, text) for pattern in _STATED)
+    header = {"companyName": "stickslip", "productName": "stickslip"}
+    header["productVersion"] = version[1] if version else "1"
+    header["creationDateTime"] = f"{date[1] if date else '1980-01-01'}T00:00:00"
+    _add(project, "fileHeader", **header)
     content = _add(project, "contentHeader", name=name)
     heads = re.findall(_COMMENT, _UNIT.sub("", text), re.DOTALL)
     _add(content, "Comment").text = "\n\n".join(map(str.strip, heads))

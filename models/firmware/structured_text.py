@@ -92,13 +92,16 @@ def _block(model: Model, program: Program) -> str:
         usage = "Call it once a cycle."
         guard = ["IF h <= 0.0 THEN", "    RETURN;", "END_IF;"]
         steps = [f"valid := {call('model_step')};"]
+    kept = [parts[short] for short in "xw" if short in parts]
+    declared += [f"    no_{part} : {program.type_name(part.capitalize())};" for part in kept]
     shown = _shown(model)
     timed = [] if model.sampled else ["    h : LREAL; (* [s] time since the last call, above 0 *)"]
     body = [
         "valid := FALSE;",
         *guard,
         *_copied(model, program, "u", "p"),
-        "IF NOT running THEN",
+        "IF reset OR NOT running THEN",
+        *(f"    {part} := no_{part};" for part in kept),
         *(f"    {line}" for line in _started(model, program)),
         f"    done := {call('model_start')};",
         "    running := TRUE;",
@@ -116,6 +119,7 @@ def _block(model: Model, program: Program) -> str:
         [
             f"(* {usage} The first call begins at rest with the inputs given. *)",
             f"FUNCTION_BLOCK {name}\nVAR_INPUT",
+            "    reset : BOOL; (* TRUE: each call is like the first *)",
             *timed,
             *_declarations(model, program, ("input", "parameter")),
             "END_VAR\nVAR_OUTPUT",

@@ -78,7 +78,6 @@ def export_compensator(options: argparse.Namespace) -> Answer:
     """
     from stickslip import models
     from stickslip.learned.file import LearnedFile
-    from stickslip.learned.provenance import provenance
 
     learned = LearnedFile(options.parameters)
     one = learned.at(1.0 if options.force else learned.share)
@@ -87,9 +86,8 @@ def export_compensator(options: argparse.Namespace) -> Answer:
         models.load_model(one.model, law).with_start(one.values)
         share = _guarded_share(learned, one, force=options.force)
         block = learned.deployed(share)
-        named: dict[str, Any] = {"called": NAME, "rotary": learned.rotary}
-        named["notes"] = provenance(learned, share)
-        paths = write_as(options, block.model, start=block.values, law=law, **named)
+        given = {"start": block.values, "law": law}
+        paths = write_as(options, learned, block.model, NAME, share=share, **given)
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: {error}") from None
     return written(*paths)
@@ -151,23 +149,31 @@ def _guarded_share(learned: LearnedFile, one: Compensator, *, force: bool) -> fl
     return share
 
 
-def write_as(options: argparse.Namespace, model: str, **given: Any) -> list[Path]:
-    """Write a compensator in the form that is wanted; ``given`` is that of ``models.build_fmu``."""
+def write_as(
+    options: argparse.Namespace,
+    learned: LearnedFile,
+    model: str,
+    called: str,
+    share: float | None = None,  # of a feedforward
+    **given: Any,  # of ``models.build_fmu``
+) -> list[Path]:
+    """Write a compensator in the form that is wanted."""
     from stickslip import models
+    from stickslip.learned.provenance import provenance
     from stickslip.models.firmware import write_compensator
 
-    notes = given.pop("notes", ())
-    if options.form != "fmu":
-        given["notes"] = notes
-        return write_compensator(options.out, options.form, model=model, **given)
-    return [models.build_fmu(model, options.out, **given, **fmu_options(options))]
+    given |= {"called": called, "rotary": learned.rotary}
+    if options.form == "fmu":
+        return [models.build_fmu(model, options.out, **given, **fmu_options(options))]
+    end = "xml" if options.form == "plcopen" else options.form
+    notes = provenance(learned, share, f"{called}.{end}")
+    return write_compensator(options.out, options.form, model=model, notes=notes, **given)
 
 
 def export_observer(options: argparse.Namespace) -> Answer:
     """Write the observer with its designed gains and print the paths."""
     from stickslip import models
     from stickslip.learned.file import LearnedFile
-    from stickslip.learned.provenance import provenance
 
     learned = LearnedFile(options.parameters)
     observer = learned.observer
@@ -178,8 +184,7 @@ def export_observer(options: argparse.Namespace) -> Answer:
             if not options.force:
                 raise HarmfulError(f"{options.parameters}: {refusal}; --force exports it anyway")
             warn(refusal)
-        named: dict[str, Any] = {"called": "observer", "rotary": learned.rotary}
-        paths = write_as(options, model, start=start, notes=provenance(learned), **named)
+        paths = write_as(options, learned, model, "observer", start=start)
     except models.StartValueError as error:
         raise UsageError(f"{options.parameters}: observer: {error}") from None
     return written(*paths)
@@ -213,7 +218,6 @@ def _peak(loop: VelocityLoop, observer: Compensator, speed: float) -> float:
 def export_position_force(options: argparse.Namespace) -> Answer:
     """Write the block of gravity and cogging with its learned values and print the paths."""
     from stickslip.learned.file import LearnedFile
-    from stickslip.learned.provenance import provenance
 
     learned = LearnedFile(options.parameters)
     block = learned.position_force
@@ -222,9 +226,7 @@ def export_position_force(options: argparse.Namespace) -> Answer:
     if "position_force.fmu" not in learned.written and not options.force:
         refusal = learned.refusal or "learn did not write it"
         raise HarmfulError(f"{options.parameters}: {refusal}; --force exports it anyway")
-    named: dict[str, Any] = {"called": block.name, "rotary": learned.rotary}
-    notes = provenance(learned)
-    return written(*write_as(options, block.model, start=block.values, notes=notes, **named))
+    return written(*write_as(options, learned, block.model, block.name, start=block.values))
 
 
 def export_deployment(options: argparse.Namespace) -> Answer:

@@ -1,5 +1,6 @@
 """What is deployed: the blocks of a learned.json behind one call, and a page of steps."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -8,7 +9,7 @@ from typing import Any, get_args
 
 from stickslip.errors import HarmfulError
 from stickslip.learned.file import LearnedFile
-from stickslip.learned.provenance import provenance
+from stickslip.learned.provenance import loop_doubts, provenance
 from stickslip.models import Model, load_model
 from stickslip.models.export.units import motion_unit
 from stickslip.models.firmware import Language, write_combined
@@ -26,6 +27,7 @@ FILES = (
     *(f"{FOLDER}/{ADDED_FORCE}.{end}" for end in ("st", "xml")),
 )
 """What ``write_deployment`` may write, in the folder of results."""
+ASSUMED = 500.0  # F_c; without a limit in the log learn assumes 1000 times its strongest force
 
 
 def deployed_parts(learned: LearnedFile) -> dict[str, Compensator]:
@@ -65,6 +67,7 @@ def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
     signals = {name: one for name, one in used_signals(blocks).items() if name not in idle}
     verdict = {"source": "", "refused": (), **(learned.document.get("verdict") or {})}
     tuning = learned.document.get("tuning") or {}
+    limit = learned.datasheet.peak_force if "datasheet" in learned.document else math.inf
     section = Section(
         "",
         "learned/deploy.j2",
@@ -75,6 +78,8 @@ def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
         T_s=(learned.document.get("T_s") or {}).get("value"),
         names=names,
         verdict=verdict,
+        warnings=dict.fromkeys([*verdict["refused"], *loop_doubts(learned)]),
+        force_limit=limit if limit < ASSUMED * learned.friction.get("F_c", 0.0) else None,
         gains_before=_gains(tuning, "before"),
         steps=list(_steps(names, [*signals], verdict, tuning)),
     )
@@ -130,7 +135,7 @@ def _steps(
     raising = [one for one in checks if not one.startswith("drive disabled: ")]
     yield (
         (raising or ["raise the added force from 0 on a slow command"])[0],
-        "with a gain of 0.25, 0.5 and 1 the error becomes smaller each time",
+        "with a gain of 0.25, 0.5 and 1 the error at reversals becomes smaller each time",
         "gain 0; compare period, signs and units with those above",
     )
     if found := [one for one in tuning.get("ratios", ()) if one["of"] == "RMS"]:
@@ -145,13 +150,15 @@ def _steps(
         )
     elif errors := verdict.get("errors"):
         left = "; ".join(
-            f"{one['motion']}: {number(100.0 * one['left'] / one['without'], 2)} %"
+            f"{one['motion']}, {one['figure']}: {number(100.0 * one['left'] / one['without'], 2)} %"
             f" ({number(100.0 * one['low'], 2)} to {number(100.0 * one['high'], 2)} %)"
             for one in errors
         )
         yield (
             "run the motions of the machine",
-            f"share that is left of the error that friction causes, as predicted: {left}",
+            "the error at reversals is smaller than without the added force; predicted is the share"
+            " that is left of the error that friction causes, which only a run without friction,"
+            f" such as a simulation, would show: {left}",
             "record a log with the added force and one without it, and compare them as"
             " docs/results.md says, with ../learned.json",
         )

@@ -2,26 +2,27 @@
 
 from collections.abc import Iterator
 from datetime import UTC, datetime
+from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
 from stickslip.errors import UsageError
 from stickslip.fmi.files import digest
 from stickslip.learned.file import LearnedFile
+from stickslip.learned.writing import AXIS_KEYS
 from stickslip.presentation.quantity import number
 from stickslip.versions import installed_versions
 
 WIDTH = 96  # characters of a line
 
 
-def provenance(learned: LearnedFile, share: float | None = None) -> list[str]:
-    """Return drive, logs, values, share of a feedforward and errors; raise UsageError."""
+def provenance(learned: LearnedFile, share: float | None = None, alone: str = "") -> list[str]:
+    """Return the lines, of all blocks or for the file of one ``alone``; raise UsageError."""
     try:
-        texts = [
-            (text, "    " if text.startswith("  ") else "  ") for text in _texts(learned, share)
-        ]
         return [
-            one for text, indent in texts for one in wrap(text, WIDTH, subsequent_indent=indent)
+            one
+            for text in _texts(learned, share, alone)
+            for one in wrap(text, WIDTH, subsequent_indent="    " if text[:2] == "  " else "  ")
         ]
     except (KeyError, TypeError, ValueError, ArithmeticError) as error:
         raise UsageError(
@@ -29,7 +30,14 @@ def provenance(learned: LearnedFile, share: float | None = None) -> list[str]:
         ) from None
 
 
-def _texts(learned: LearnedFile, share: float | None) -> Iterator[str]:
+def loop_doubts(learned: LearnedFile) -> list[str]:
+    """Return why the loop for which the values were computed may not be that of the drive."""
+    verdict = _mapping(learned.document, "verdict")
+    said = (*verdict.get("refused", ()), *verdict.get("doubts", ()))
+    return [one for one in said if "loop" in one]
+
+
+def _texts(learned: LearnedFile, share: float | None, alone: str) -> Iterator[str]:
     document = learned.document
     date = datetime.fromtimestamp(learned.path.stat().st_mtime, UTC)
     logs = [f"{name} (SHA-256 {value})" for name, value in _mapping(document, "sha256").items()]
@@ -49,11 +57,23 @@ def _texts(learned: LearnedFile, share: float | None) -> Iterator[str]:
         entry = _mapping(document.get("feedforward", document), "share")
         why = f", because {entry['reason']}" if "reason" in entry else ""
         yield f"Share: the code has {100.0 * share:g} % of the learned friction{why}"
+    gains = ", ".join(
+        f"{name} = {one['value']:.5g} {one.get('unit', '')}".removesuffix(" 1")
+        for name, one in _mapping(document, "loop").items()
+        if name not in AXIS_KEYS
+    )
+    yield f"Loop for which it was computed: {gains or 'gains not known'}"
+    yield from loop_doubts(learned)
     if sample := _mapping(document, "T_s").get("value"):
         yield f"Sample period: {sample:g} s"
     verdict = _mapping(document, "verdict")
+    named = [f"{Path(one).stem}{Path(alone).suffix}" for one in learned.written]
+    others = [one for one in named if alone and "written" in document and one != alone]
+    if others:
+        yield f"What learn wrote, to be used as a whole: {' and '.join(named)}"
     if errors := verdict.get("errors"):
-        yield "Predicted share of the error that friction causes that what was written leaves:"
+        leaves = f"leaves, with {' and '.join(others)}:" if others else "leaves:"
+        yield f"Predicted share of the error that friction causes that what was written {leaves}"
         for one in errors:
             shares = one["left"] / one["without"], one["low"], one["high"]
             left, low, high = (number(100.0 * each, 2) for each in shares)

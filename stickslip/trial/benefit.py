@@ -44,6 +44,7 @@ from stickslip.trial.family import (
     commands,
     in_loop,
     onsets,
+    speed_text,
     sweep,
 )
 
@@ -245,7 +246,10 @@ class Benefit:
 
     def shown(self, row: TrialError) -> tuple[float, str]:
         """Return the factor from SI to the unit in which a row is shown, and that unit."""
-        return (1e3, self.unit) if row.figure == "velocity" else (1e6, f"u{self.unit[1:-2]}")
+        if row.figure == "velocity":
+            return 1e3, self.unit
+        length = self.unit.removesuffix("/s")
+        return (1e3, length) if row.compensated >= 1e-3 else (1e6, f"u{length[1:]}")
 
     @cached_property
     def mean_ratio(self) -> float:
@@ -270,9 +274,10 @@ class Benefit:
             rows, force = self.swept, f"at {self.share:g} of its force"
         motion = max(by_motion(rows), key=lambda one: one.worst.ratio)
         row = motion.worst
-        where = f"at {1e3 * row.speed:.3g} {self.unit}"
+        speed = speed_text(row.speed, rotary="rad" in self.unit)
+        where = f"at {speed}"
         if row.command in (CREEP, *MOVES, *SWEEP):
-            where = f"in {row.command} of up to {1e3 * row.speed:.3g} {self.unit}"
+            where = f"in {row.command} of up to {speed}"
         friction = "friction as learned"
         if row.level != 1.0:
             friction = f"{row.level:g} times the friction"

@@ -125,6 +125,13 @@ def family(law: Law, friction: Values, command: Trapezoid, known: Evidence) -> t
     return (*deciding, *(at(FITTED, one, decides=False) for one in BEYOND if one not in levels))
 
 
+def speed_text(v: float, *, rotary: bool) -> str:
+    """Return a speed [m/s or rad/s] in mm/s, or in mrad/s below 1 rad/s."""
+    if rotary and v >= 1.0:
+        return f"{v:.3g} rad/s"
+    return f"{1e3 * v:.3g} {motion_unit('mm/s', rotary=rotary)}"
+
+
 def commands(
     command: Trapezoid,  # the trapezoid at full speed
     T_s: float,
@@ -136,11 +143,9 @@ def commands(
     drives: Sequence[Drive] = (),  # whose moves have the length of their own presliding
 ) -> tuple[Command, ...]:
     """Return the commands: a trapezoid at two speeds, creep that slides, and small moves."""
-    unit = motion_unit("mm/s", rotary=rotary)
-
     found = [
         Command(
-            f"{1e3 * share * command.height:.3g} {unit}",
+            speed_text(share * command.height, rotary=rotary),
             _slower(command, share, T_s, command.plateau),
         )
         for share in SPEEDS

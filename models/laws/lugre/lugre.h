@@ -32,7 +32,7 @@ double lugre_dz(double v, double z, const LuGre *p);
  * those on either side. */
 void lugre_slopes(double v, double z, const LuGre *p, double *by_v, double *by_z);
 
-/* sigma_1 at v [N s/m]. If slope is not NULL it receives its derivative by v [N s2/m2]. */
+/* sigma_1 at v [N s/m]. If slope is not NULL it receives its derivative by v [N (s/m)^2]. */
 double lugre_damping(double v, const LuGre *p, double *slope);
 
 /* (3) [N] */

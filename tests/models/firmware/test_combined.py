@@ -57,11 +57,12 @@ int drive(int n, const double *u, double *out) {{
     {declared}
     added_force_init(&all, u[0], u[1], u[2], u[3], u[4]);
     {begin}
-    for (int i = 0; i < n; i++, u += 5, out += 2) {{
+    for (int i = 0; i < n; i++, u += 5, out += 3) {{
         finite += added_force_step(&all, u[0], u[1], u[2], u[3], u[4]);
         {step}
         out[0] = all.F;
         out[1] = {F};
+        out[2] = {"compensator.outputs.F_ff" if "compensator" in chain else "0.0"};
     }}
     return finite;
 }}
@@ -74,17 +75,24 @@ def test_one_call_gives_the_bits_of_the_blocks_one_by_one(tmp_path, chain):
     files = {path.name: path.read_text() for path in paths} | {"driver.c": driver(chain)}
     library = ctypes.CDLL(str(toolchain.shared_library("combined", files, flags=STRICT)))
     given = np.column_stack([*signals(SIGNALS).values()])
-    out = np.empty((N, 2))
+    out = np.empty((N, 3))
     pointers = [array.ctypes.data_as(ctypes.c_void_p) for array in (given, out)]
     assert library.drive(N, *pointers) == N
     assert np.ptp(out[:, 0]) > 1.0  # N
     np.testing.assert_array_equal(out[:, 0], out[:, 1])
     (path,) = write_combined(tmp_path, "st", list(blocks(chain)))
     block = structured_text.load(path.read_text())["Added_force"]
-    for row, expected in zip(given[:200], out[:, 0], strict=False):
-        scope = block(**dict(zip(SIGNALS, map(float, row), strict=True)))
-        assert scope["valid"]
-        np.testing.assert_allclose(scope["F"], expected, rtol=0, atol=1e-7)
+    for again in (False, True):
+        for k, (row, expected) in enumerate(zip(given[:200], out, strict=False)):
+            reset = again and k == 0
+            scope = block(reset=reset, **dict(zip(SIGNALS, map(float, row), strict=True)))
+            assert scope["valid"]
+            np.testing.assert_allclose(scope["F"], expected[0], rtol=0, atol=1e-7)
+            np.testing.assert_allclose(scope.get("F_ff", 0.0), expected[2], rtol=0, atol=1e-7)
+        assert ("F_ff" in scope) == ("compensator" in chain)
+        if "observer" in chain:  # what is not a number stays in its memory
+            assert not block(x_enc=np.nan)["valid"]
+            assert not block(x_enc=0.0)["valid"]
 
 
 def test_one_name_makes_all_blocks_compute_in_float(tmp_path):
@@ -144,9 +152,13 @@ def units(text):
 
 def test_xml_of_plcopen_contains_the_structured_text(tmp_path):
     """Types, declarations with start values and bodies, word by word; the head is a comment."""
+    stated = "learned on 2026-01-02 from", "exported with 3.4"
     for language in ("st", "plcopen"):
-        write_combined(tmp_path, language, list(blocks(PARTS)), notes=["a <b> & c"])
+        write_combined(tmp_path, language, list(blocks(PARTS)), notes=["a <b> & c", *stated])
     root = etree.parse(tmp_path / "added_force.xml").getroot()
     found = "\n".join(map(text_of, root.iter("{*}dataType", "{*}pou")))
     assert units(found) == units((tmp_path / "added_force.st").read_text())
     assert "a <b> & c" in root.findtext(".//{*}Comment")
+    header = root.find("{*}fileHeader")
+    assert header.get("creationDateTime") == "2026-01-02T00:00:00"
+    assert header.get("productVersion") == "3.4"

@@ -77,9 +77,22 @@ def test_it_writes_the_gains_in_each_form(export, tmp_path, rate, order, name):
     content = document(rate, order=order)
     gain = repr(content["observer"]["parameters"][name]["value"])
     forms = {"fmu": ["fmu"], "c": ["h", "c"], "st": ["st"], "plcopen": ["xml"]}
+    content["written"] = {"files": ["compensator.fmu", "observer.fmu"]}
+    row = {"motion": "creep", "figure": "velocity", "without": 1.0, "left": 0.5}
+    foreign = "tried in a PI velocity loop, which is not the log's"
+    content["verdict"] = {"errors": [row | {"low": 0.4, "high": 0.6}], "doubts": [foreign]}
     for form, names in forms.items():
         status, out, error = export("observer", "--as", form, **content)
         assert (status, error) == (0, "")
+        head = (tmp_path / f"observer.{names[0]}").read_text() if form != "fmu" else ""
+        end = names[-1]
+        for words in (
+            f"to be used as a whole: compensator.{end} and observer.{end}",
+            f"that what was written leaves, with compensator.{end}:",
+            f"tau_f = 0.0005 s, K_p = {LOOPS['paper'].K_p:.5g} N.s/m",
+            foreign,
+        ):
+            assert words in re.sub(r"\n[ *]*", " ", head) or form == "fmu"
         assert out.split() == [str(tmp_path / f"observer.{end}") for end in names]
     assert gain in (tmp_path / "observer.c").read_text()
     assert gain in (tmp_path / "observer.st").read_text()
@@ -131,8 +144,15 @@ def test_what_learn_wrote_is_deployed_behind_one_call_and_nothing_else_is(export
         (True, "cc -c added_force.c position_force.c observer.c"),
         (True, "N\xa0m"),
         (False, "F_ff of the compensator"),
+        (True, "PLC: one call with <code>reset := TRUE</code>"),
+        (True, "the log states no force_limit"),
     ):
         assert (words in page) == shown
+    for limit, is_known in ((50.0, True), (1e3 * PAPER["F_s"], False)):  # the latter is assumed
+        entries["datasheet"] = {"peak_force": {"value": limit, "unit": "N.m"}}
+        assert export("deploy", **entries)[0] == 0
+        page = (tmp_path / PAGE).read_text()
+        assert (f"the force_limit of the log: {limit:.4g} N\xa0m" in page) == is_known
 
 
 HELD = {

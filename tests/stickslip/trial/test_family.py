@@ -297,6 +297,19 @@ def test_an_error_that_is_not_finite_is_worse(without, compensated):
         assert f"at {1e3 * worst.speed:g} mm/s" in benefit.reason
 
 
+def test_sizes_are_told_in_a_unit_in_which_they_read_well():
+    """Of a rotary drive speeds above and below 1 rad/s, and errors above and below 1 mrad."""
+    for speed, error, told in (
+        (19.8, 6.28e-3, "at 19.8 rad/s with friction as learned is 6.28 mrad"),
+        (0.5, 6.28e-4, "at 500 mrad/s with friction as learned is 628 urad"),
+    ):
+        rows = (TrialError(speed, "a drive", 1e-4, error, "fast", "position"),)
+        assert told in Benefit(1.0, rows, rows, "mrad/s").reason
+        command = Trapezoid(height=speed, slope=10.0 * speed, plateau=0.25, begin=0.1)
+        first, *_ = commands(command, 1e-3, TABLE_2, rotary=True)
+        assert first.name in told
+
+
 def test_three_quarters_of_the_drives_of_a_level_decide_and_none_may_be_much_worse():
     def motion(*ratios):
         return MotionErrors(tuple(TrialError(0.04, "one", 1.0, ratio) for ratio in ratios))

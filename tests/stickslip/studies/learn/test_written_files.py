@@ -168,6 +168,10 @@ def check_deployment(out, fmus):
     assert ("F_ff of the compensator" in page) == ("compensator.fmu" in fmus)
     for check in learned.document["verdict"]["checks"]:
         assert check.split(": ")[-1].lower() in page.lower()
+    verdict = learned.document["verdict"]
+    assert all(one.lower() in page.lower() for one in verdict["doubts"] if "were tried in" in one)
+    for one in verdict["errors"]:
+        assert f"{one['motion']}, {one['figure']}: " in page
 
 
 def check_verdict(printed, verdict, fmus, learned):

@@ -231,6 +231,10 @@ def check_deployment(folder, tuned):
         assert own == {name: starts[name] for name in own}
         assert (folder / "deploy" / f"{block.name}.c").exists()
     assert (folder / "deploy" / "added_force.xml").exists()
+    head = (folder / "deploy" / "added_force.h").read_text(encoding="utf-8")
+    head = re.sub(r"\n[ *]*", " ", head)
+    for name in ("K_x", "K_p", "K_i", "tau_f", "T_s", "velocity_feedforward"):
+        assert f"{name} = {getattr(tuned.loop, name):.5g}" in head
     page = re.sub("<[^>]*>", "", (folder / "deploy" / "steps.html").read_text(encoding="utf-8"))
     used = {"Position": tuned.loop.K_x, "Acceleration": tuned.loop.m_ff}
     assert {name: f"{name} command" in page for name in used} == {n: x > 0 for n, x in used.items()}
