@@ -119,7 +119,7 @@ def show_job(job: Job, then: Callable[[], object]) -> None:
         bar.visible = bool(of)
         if of:
             bar.value = done / of
-            stage.text += f" · {done} of {of} {unit}s"
+            stage.text = " · ".join(filter(None, (stage.text, f"{done} of {of} {unit}s")))
         with texts:
             lines_of(job.lines[drawn["count"] :])
         drawn["count"] = len(job.lines)

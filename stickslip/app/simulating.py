@@ -84,7 +84,8 @@ class Bench:
                 table = ui.select(work.files(TABLES), label="Input signals", clearable=True)
                 table.classes("w-full").props("hint='a table with columns time and one per input'")
                 self.table = refreshed(table, lambda: work.files(TABLES))
-                label, chosen = "Inputs and parameters", spread(self.rows, self.exposed)[:SLIDERS]
+                moving = sorted(self.rows, key=lambda name: not self.rows[name]["start"])
+                label, chosen = "Inputs and parameters", spread(moving, self.exposed)[:SLIDERS]
                 self.names = ui.select(
                     [*self.rows], label=label, value=chosen, multiple=True, with_input=True
                 )

@@ -89,7 +89,7 @@ def unit_fault(
             advice = f"give <rated_{expected} VALUE> or <scale {role}=VALUE>, 100 % in {SI}"
             what = f"{role} is in {unit.name} of a rated {expected} that is not known"
             return Finding("error", what, "", advice)
-        what = f"{role} is in {unit.name}, which is not a {expected} ({motion} motion)"
+        what = f"{role} is in {unit.name}, which is no {expected} ({motion} motion)"
         advice = f"give a unit such as {expected_units(role, motion)}, or what {one} is in {SI}"
         advice = f"{advice} with <scale {role}=NUMBER>"
         if (quantity_key(role), unit.quantity) in _COUNTED and unit.name not in ("%", "‰"):
