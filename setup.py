@@ -7,7 +7,7 @@ import warnings
 
 from setuptools import find_namespace_packages, setup
 
-# A new pip prints it, of folders of the name of a package where one works; here they are these.
+# A new pip shows this warning about folders named as packages, which here are the packages.
 warnings.filterwarnings("ignore", "Editable installation")
 FOLDERS = ("cosim", "fmi", "fmucheck", "ga", "models")
 BELOW = find_namespace_packages(include=[f"{folder}*" for folder in FOLDERS])

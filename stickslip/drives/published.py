@@ -13,7 +13,7 @@ from stickslip.catalog import parameters
 from stickslip.errors import UsageError
 from stickslip.fmi.messages import suggestion
 from stickslip.fmi.process import temporary_folder
-from stickslip.learned.file import LearnedFile
+from stickslip.learned.file import NORMAL, LearnedFile
 from stickslip.learned.writing import LOOP_UNITS
 from stickslip.models.export.units import motion_unit
 from stickslip.system import System
@@ -21,7 +21,6 @@ from stickslip.toml_files import read_toml
 
 FOLDER = Path(parameters.__file__).parent / "drives"
 UNLIMITED = 1e9  # [N] or [N m], for a drive whose largest force is not published
-_INTERVAL = 1.96  # half-width of a 95 % interval, in standard errors
 
 
 @dataclass(frozen=True)
@@ -60,7 +59,7 @@ class Drive:
         values = {**held, **file.drive}
         for name in ("F_0", "delay"):  # what the log does not tell from none is left out
             error = file.document.get(name, {}).get("standard_error", 0.0)
-            if abs(values[name]) < _INTERVAL * error:
+            if abs(values[name]) < NORMAL * error:
                 values[name] = 0.0
         found = cls("drive", "learned drive", file.law, values=values, rotary=file.rotary)
         if not found.values["m"] > 0.0:

@@ -58,6 +58,7 @@ from stickslip.trial.family import Drive, Evidence, family
 _UNITS = {"loop": LOOP_UNITS, "validation": TRAPEZOID, "datasheet": DATASHEET}
 _UNFIT = (AttributeError, KeyError, TypeError, ValueError, OverflowError)
 """What an entry of the wrong shape raises."""
+NORMAL = 1.96  # half-width of a 95 % interval over a standard error, where a file has no interval
 
 
 class LearnedFile:

@@ -10,12 +10,11 @@ import pandas as pd
 
 from stickslip.errors import UsageError
 from stickslip.identification.fitting.identifiability import IDENTIFIABLE, NOT_IDENTIFIABLE
-from stickslip.learned.file import LearnedFile
+from stickslip.learned.file import NORMAL, LearnedFile
 from stickslip.presentation.table import Table
 from stickslip.studies.compare import tables
 
 FILES = ("learned.json", "tuned.json")  # of a folder of results; it has one of them
-NORMAL = 1.96  # Half-width of a 95 % interval over a standard error, where a file has no interval
 
 
 @dataclass(frozen=True)
