@@ -4,11 +4,11 @@ import hashlib
 import re
 import zipfile
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 from stickslip.fmi import toolchain
 from stickslip.fmi.additions import left_out
@@ -127,6 +127,7 @@ def build_fmu(
     rotary: bool = False,
     terminals: bool = True,
     note: str = "",
+    notes: Sequence[str] = (),
 ) -> Path:
     """Write ``folder/name.fmu`` and return its path.
 
@@ -142,6 +143,7 @@ def build_fmu(
     rotary : with the units of a rotary drive
     terminals : with terminalsAndIcons.xml, of which FMI Library says FATAL in FMI 2.0
     note : a sentence without full stop, before the description in the FMU
+    notes : lines on where the start values come from, on the page in the FMU
 
     Raises
     ------
@@ -157,7 +159,8 @@ def build_fmu(
     model = replace(model, name=checked_name(called or model.name), description=description)
     # The reference holds for the start values of model.toml and law.toml.
     own = not starts and presentation.reference_file(model) is not None
-    return pack_fmu(model, folder, fmi=fmi, platforms=platforms, reference=own, terminals=terminals)
+    given: dict[str, Any] = {"fmi": fmi, "platforms": platforms, "terminals": terminals}
+    return pack_fmu(model, folder, reference=own, notes=notes, **given)
 
 
 def pack_fmu(
@@ -168,6 +171,7 @@ def pack_fmu(
     platforms: Iterable[toolchain.Platform | str] | str | None = None,
     reference: bool = False,
     terminals: bool = True,
+    notes: Sequence[str] = (),
 ) -> Path:
     """Write an FMU of any model, as ``build_fmu``, with its reference and return its path."""
     own = sources.c_files(model, fmi)
@@ -176,7 +180,7 @@ def pack_fmu(
     files = own | {sources.START: sources.start_source(token, values)}
     texts = {
         "modelDescription.xml": model_description(model, token, fmi),
-        "documentation/index.html": presentation.index(model, _ICON[fmi]),
+        "documentation/index.html": presentation.index(model, _ICON[fmi], notes),
         "documentation/licenses/license.txt": sources.text(MODELS / "license.txt"),
         "terminalsAndIcons/terminalsAndIcons.xml": presentation.terminals_and_icons(model),
         "terminalsAndIcons/icon.svg": presentation.svg(model.icon),

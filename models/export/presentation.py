@@ -33,7 +33,7 @@ pre {{ font: 14px/1.4 monospace; white-space: pre-wrap; }}
 <body>
 <img src="../{icon}" alt="" width="96" height="96">
 <pre>{body}</pre>
-<h2>Licence</h2>
+{notes}<h2>Licence</h2>
 <p>MIT: <a href="licenses/license.txt">licenses/license.txt</a>. The functions are those of the
 Functional Mock-up Interface, whose headers are under the 2-clause BSD licence.</p>
 </body>
@@ -110,8 +110,8 @@ def terminals_and_icons(model: Model) -> str:
     return writing.document(root)
 
 
-def index(model: Model, icon: str) -> str:
-    """Return the page. ``icon`` is its picture's path from the root of the FMU."""
+def index(model: Model, icon: str, notes: Sequence[str] = ()) -> str:
+    """Return the page, with notes on the values. ``icon`` is its path from the root of the FMU."""
     readme = model.folder / "README.md"
     text = f"# {model.title}\n\n{model.description}\n"
     if readme.exists():
@@ -120,7 +120,10 @@ def index(model: Model, icon: str) -> str:
         text += "\n" + (model.law.folder / "README.md").read_text(encoding="utf-8")
     if model.rotary:
         text = "For this rotary drive read rad for m, N m for N and kg m2 for kg.\n\n" + text
-    return _PAGE.format(title=html.escape(model.title), icon=icon, body=html.escape(text))
+    lines = html.escape("\n".join(notes))
+    values = f"<h2>Values</h2>\n<pre>{lines}</pre>\n" if notes else ""
+    title, body = html.escape(model.title), html.escape(text)
+    return _PAGE.format(title=title, icon=icon, body=body, notes=values)
 
 
 LS_REF = "extra/org.fmi-standard.fmi-ls-ref"

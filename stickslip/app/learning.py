@@ -32,6 +32,7 @@ class LogForm:
     def __init__(self) -> None:
         self.first = ""  # the log that it describes
         self.base = ss.Description()
+        self.names: list[str] = []  # of the columns in the log
         self.columns: dict[str, dict[str, Any]] = {}
         self.single: dict[str, Any] = {}
         self.controller: Any = None
@@ -40,7 +41,7 @@ class LogForm:
 
     def build(self, base: ss.Description, names: Mapping[str, str]) -> None:
         """Build the fields with what a description holds and the columns that a file has."""
-        self.base, self.columns, self.single = base, {}, {}
+        self.base, self.names, self.columns, self.single = base, [*names], {}, {}
         with ui.grid().classes("w-full gap-x-4 gap-y-0 grid-cols-1 md:grid-cols-2"):
             for role in ss.Description.ROLES:
                 given = base.column(role)
@@ -154,6 +155,8 @@ def learn_part(work: Workbench) -> None:
         with body:
             ui.spinner()
         names = await attempt(ss.log_columns, log.value[0], base) or {}
+        if names and [*names] == form.names and not config.value:  # the log was corrected
+            base = await attempt(form.description) or base
         body.clear()
         with body:
             with ui.row().classes("w-full items-end gap-4"):

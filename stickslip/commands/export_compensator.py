@@ -163,11 +163,11 @@ def write_as(
     from stickslip.models.firmware import write_compensator
 
     given |= {"called": called, "rotary": learned.rotary}
+    end = "xml" if options.form == "plcopen" else options.form
+    given["notes"] = provenance(learned, share, f"{called}.{end}")
     if options.form == "fmu":
         return [models.build_fmu(model, options.out, **given, **fmu_options(options))]
-    end = "xml" if options.form == "plcopen" else options.form
-    notes = provenance(learned, share, f"{called}.{end}")
-    return write_compensator(options.out, options.form, model=model, notes=notes, **given)
+    return write_compensator(options.out, options.form, model=model, **given)
 
 
 def export_observer(options: argparse.Namespace) -> Answer:

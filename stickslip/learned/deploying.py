@@ -10,7 +10,7 @@ from typing import Any, get_args
 from stickslip.errors import HarmfulError
 from stickslip.learned.file import LearnedFile
 from stickslip.learned.provenance import loop_doubts, provenance
-from stickslip.models import Model, load_model
+from stickslip.models import Model, build_fmu, load_model
 from stickslip.models.export.units import motion_unit
 from stickslip.models.firmware import Language, write_combined
 from stickslip.models.firmware.combined import ADDED_FORCE, SIGNALS, used_signals
@@ -41,11 +41,38 @@ def deployed_parts(learned: LearnedFile) -> dict[str, Compensator]:
     return found
 
 
+def build_parts(learned: LearnedFile, folder: Path, refusals: Mapping[str, str] = {}) -> None:
+    """Build the FMUs of what is deployed; each says where its values come from, or why not to.
+
+    Raises UsageError, StartValueError or UnknownModel when an entry of the file is not valid, or
+    OSError.
+    """
+    for part, one in deployed_parts(learned).items():
+        build_fmu(
+            one.model,
+            folder,
+            start=one.values,
+            law=_law(learned, one),
+            called=part,
+            rotary=learned.rotary,
+            note=refusals.get(part, ""),
+            notes=provenance(learned, _share(learned, part), f"{part}.fmu"),
+        )
+
+
+def _law(learned: LearnedFile, one: Compensator) -> str | None:
+    return (one.law or learned.law.name) if load_model(one.model).law else None
+
+
+def _share(learned: LearnedFile, *parts: str) -> float | None:
+    return learned.share if "compensator" in parts else None
+
+
 def deployed_blocks(learned: LearnedFile) -> Iterator[Model]:
     """Yield the models of what was written as FMUs, with the same values, in the same order."""
     for part, one in deployed_parts(learned).items():
-        law = (one.law or learned.law.name) if load_model(one.model).law else None
-        yield replace(load_model(one.model, law).with_start(one.values), name=part)
+        model = load_model(one.model, _law(learned, one))
+        yield replace(model.with_start(one.values), name=part)
 
 
 def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
@@ -59,7 +86,7 @@ def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
         refusal = learned.refusal or "it does not state which compensators learn wrote"
         raise HarmfulError(f"{learned.path}: nothing to deploy: {refusal}")
     names, rotary = [block.name for block in blocks], learned.rotary
-    notes = provenance(learned, learned.share if "compensator" in names else None)
+    notes = provenance(learned, _share(learned, *names))
     paths: list[Path] = []
     for language in get_args(Language):
         paths += write_combined(folder, language, blocks, rotary=rotary, notes=notes)

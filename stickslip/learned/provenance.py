@@ -71,6 +71,8 @@ def _texts(learned: LearnedFile, share: float | None, alone: str) -> Iterator[st
     others = [one for one in named if alone and "written" in document and one != alone]
     if others:
         yield f"What learn wrote, to be used as a whole: {' and '.join(named)}"
+    if tuned := _mapping(document, "tuning").get("sentence"):
+        yield f"Tuned with its loop: {tuned}"
     if errors := verdict.get("errors"):
         leaves = f"leaves, with {' and '.join(others)}:" if others else "leaves:"
         yield f"Predicted share of the error that friction causes that what was written {leaves}"

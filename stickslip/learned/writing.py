@@ -2,11 +2,10 @@
 
 import dataclasses
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from stickslip.cosim import Trapezoid
-from stickslip.models import Law, build_fmu, load_model
+from stickslip.models import Law, load_model
 from stickslip.models.export.units import motion_unit
 from stickslip.servo.axis import Datasheet
 from stickslip.servo.systems import Compensator
@@ -66,14 +65,3 @@ def component_entry(one: Compensator, *, rotary: bool) -> dict[str, Any]:
 def law_entry(law: Law) -> dict[str, str]:
     """Return the name of the compensator's friction law; a file without it has LuGre's."""
     return {} if law.name == "lugre" else {"law": law.name}
-
-
-def build_part(
-    one: Compensator, law: Law, called: str, folder: Path, *, rotary: bool, note: str = ""
-) -> None:
-    """Build the FMU of a part of a loop, of a law if it has one; its description has the note."""
-    of_law = load_model(one.model).law is not None
-    name = (one.law or law.name) if of_law else None
-    build_fmu(
-        one.model, folder, start=one.values, law=name, called=called, rotary=rotary, note=note
-    )

@@ -13,6 +13,8 @@ import pandas as pd
 
 from stickslip.fmi.files import atomic_write
 from stickslip.identification.estimation import Estimation, LearnSettings, Search
+from stickslip.learned.deploying import build_parts
+from stickslip.learned.file import LearnedFile
 from stickslip.logs import Recording, check_recording
 from stickslip.output import Progress
 from stickslip.papers.lugre.folder import command_of, write_loop
@@ -28,7 +30,6 @@ from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.storage import staged
 from stickslip.storage.writing import write_json, write_tables
 from stickslip.studies.learn.document import recording_document
-from stickslip.studies.learn.folder import build_part, deployed_feedforward
 from stickslip.studies.learn.learned import LearnedFromRecording, learn_recording
 from stickslip.studies.learn.page import FILES as REPORT
 from stickslip.studies.learn.page import write_estimation_report
@@ -118,7 +119,7 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
         _write_log(estimation.recording, staging)
         write_loop(reproduction.system, loop, staging / "loop.ssp", reproduction.options)
         write_json(recording_document(learned), staging / "learned.json")
-        build_part(learned, deployed_feedforward(learned), "compensator", staging)
+        build_parts(LearnedFile(staging / "learned.json"), staging)
         write_estimation_report(estimation, learned.findings, staging, _sections(reproduction))
 
 

@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import with_settings
-from stickslip.learned import deploying, writing
+from stickslip.learned import deploying
 from stickslip.learned.file import LearnedFile
 from stickslip.presentation.page import Section, picture_files
-from stickslip.servo.systems import Compensator, deployed
 from stickslip.storage import staged
 from stickslip.storage.codec import encode
 from stickslip.storage.writing import write_json, write_tables
@@ -28,6 +27,7 @@ from stickslip.studies.learn.verdict import (
     POSITION_FMU,
     Verdict,
     file_names,
+    reasons,
     refusals,
     verdict_of,
     verdict_section,
@@ -94,28 +94,16 @@ def write_learned(
     folder = Path(folder)
     command = {"name": "learn", "log": learned.estimation.recording.source, "seed": learned.seed}
     shown = learned.with_whole_force() if force else learned
-    names = file_names(learned.writes(force=force))
     without = [*FMUS, *deploying.FILES, TABLE, *picture_files(PICTURES)]
     with staged(folder, command, without=without) as staging:
         if shown.trial:
             write_tables({TABLE.removesuffix(".csv"): shown.trial.table()}, staging)
-        if learned.observer and OBSERVER_FMU in names:
-            build_part(
-                learned, learned.observer, "observer", staging, refusal=learned.observer_refusal
-            )
-        if COMPENSATOR in names:
-            block = deployed_feedforward(shown)
-            build_part(learned, block, "compensator", staging, refusal=learned.refusal)
-        held = learned.position_force
-        if held and (force or not learned.doubt):
-            build_part(learned, held, held.name, staging, refusal=learned.doubt)
-        files = tuple(name for name in FMUS if (staging / name).exists())
-        written = Written(learned, files, force)
+        written = Written(learned, file_names(learned, force=force), force)
         write_json(written.document(), staging / "learned.json")
-        if files:
-            deploying.write_deployment(
-                LearnedFile(staging / "learned.json"), staging / deploying.FOLDER
-            )
+        if written.files:
+            own = LearnedFile(staging / "learned.json")
+            deploying.build_parts(own, staging, _notes(learned))
+            deploying.write_deployment(own, staging / deploying.FOLDER)
         motion = shown.estimation.recording.motion
         opening = [verdict_section(written.verdict, motion)]
         if shown.tracking and shown.trial:
@@ -141,17 +129,7 @@ def _others(learned: LearnedFromRecording) -> list[Section]:
     return [Section(title, "{{ table }}", table=table)] if learned.predicted else []
 
 
-def deployed_feedforward(learned: LearnedFromRecording) -> Compensator:
-    """Return the feedforward as a controller takes it."""
-    T_s = learned.estimation.recording.T_s
-    return deployed(learned.feedforward, learned.known_loop, T_s)
-
-
-def build_part(
-    learned: LearnedFromRecording, one: Compensator, called: str, staging: Path, refusal: str = ""
-) -> None:
-    """Build the FMU of a part of the loop, in whose description is why it is not recommended."""
-    note = with_settings(f"Written with <force>; learn does not recommend it: {refusal}")
-    law, rotary = learned.estimation.law, learned.estimation.recording.rotary
-    note = note if refusal else ""
-    writing.build_part(one, law, called, staging, rotary=rotary, note=note)
+def _notes(learned: LearnedFromRecording) -> dict[str, str]:
+    """Return why FMUs are not recommended, by their names, for their descriptions."""
+    start = with_settings("Written with <force>; learn does not recommend it: ")
+    return {Path(name).stem: start + why for name, why in reasons(learned).items() if why}

@@ -145,9 +145,7 @@ def verdict_of(
     choice = shown.writes(force=force)
     motion = shown.estimation.recording.motion
     loop = loop_share(shown.tracking, motion, choice)
-    if files is None:
-        held = learned.position_force and not learned.doubt
-        files = (*file_names(choice), *([POSITION_FMU] if held else []))
+    files = file_names(learned) if files is None else files
     refused = tuple(refusals(learned, files, force=force))
     errors: tuple[MotionError, ...] = ()
     if files and shown.trial and choice == shown.choice and shown.trial.compared.chosen.benefit:
@@ -165,22 +163,34 @@ def verdict_of(
     )
 
 
-def file_names(choice: Choice) -> tuple[str, ...]:
-    """Return the names of the FMUs of a choice."""
-    parts = {COMPENSATOR: (FEEDFORWARD, BOTH), OBSERVER_FMU: (OBSERVER, BOTH)}
-    return tuple(name for name, choices in parts.items() if choice in choices)
+def file_names(learned: LearnedFromRecording, *, force: bool = False) -> tuple[str, ...]:
+    """Return the names of the FMUs that are written."""
+    choice = learned.writes(force=force)
+    wanted = {
+        COMPENSATOR: choice in (FEEDFORWARD, BOTH),
+        OBSERVER_FMU: choice in (OBSERVER, BOTH),
+        POSITION_FMU: learned.position_force and (force or not learned.doubt),
+    }
+    return tuple(name for name, is_written in wanted.items() if is_written)
+
+
+def reasons(learned: LearnedFromRecording) -> dict[str, str]:
+    """Return why FMUs should not be used, by their files; empty where there is no reason."""
+    choice = learned.choice
+    return {
+        OBSERVER_FMU: learned.observer_refusal if choice in (OBSERVER, BOTH) else "",
+        COMPENSATOR: learned.refusal if choice != OBSERVER else "",
+        POSITION_FMU: learned.doubt if learned.position_force else "",
+    }
 
 
 def refusals(
     learned: LearnedFromRecording, files: Sequence[str], *, force: bool = False
 ) -> Iterator[str]:
     """Yield what is refused and why."""
-    could = (*file_names(learned.writes(force=True)), POSITION_FMU)
-    reasons = {OBSERVER_FMU: learned.observer_refusal if learned.choice in (OBSERVER, BOTH) else ""}
-    reasons[COMPENSATOR] = learned.refusal if learned.choice != OBSERVER else ""
-    reasons[POSITION_FMU] = learned.doubt if learned.position_force else ""
+    could = file_names(learned, force=True)
     told: dict[str, list[str]] = {}  # several files may have one reason
-    for name, why in reasons.items():
+    for name, why in reasons(learned).items():
         how = "" if force or name not in could else " (<force> writes it)"
         fate = "written, as <force> asks for" if name in files else "not written"
         if why:

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from stickslip.learned import deploying
 from stickslip.learned.file import LearnedFile
-from stickslip.learned.writing import build_part, component_entry, loop_document
+from stickslip.learned.writing import component_entry, loop_document
 from stickslip.models.export.units import motion_unit
 from stickslip.presentation import style
 from stickslip.presentation.page import Section, picture_files, write_page
@@ -37,9 +37,11 @@ FILES = (*OWN, *deploying.FILES, *picture_files([FIGURE]))
 """What ``write_tuned`` writes or removes."""
 STALE = (
     *("predicted_error", "tracking_error", "tracking", "hold", "compared", "validation_errors"),
-    "verdict",
+    *("verdict", "other_gains"),
 )
 """Entries of learned.json that hold in the present loop only."""
+LASTING = ("source", "doubts")
+"""What of a verdict holds in any loop."""
 NEAR = 0.01  # share of a range at its ends; a least cost there may be an end, not a minimum
 COLUMNS = (
     Column("parameter", "", "parameter", "Parameter"),
@@ -77,6 +79,8 @@ def tuned_document(found: TunedDrive) -> dict[str, Any]:
     learned, best = found.learned, found.best
     document = {name: one for name, one in learned.document.items() if name not in STALE}
     document["loop"] = loop_document(best.loop)
+    if stated := learned.document.get("verdict"):  # what was learned may be doubted as before
+        document["verdict"] = {name: stated[name] for name in LASTING if name in stated}
     of_drive = partial(motion_unit, rotary=learned.rotary)
     if best.feedforward:
         share = {"value": best.share, "unit": "1"}
@@ -127,8 +131,7 @@ def write_tuned(found: TunedDrive, folder: Path | str) -> None:
     with completed(Path(folder), command, FILES, frames) as staging:
         write_json(tuned_document(found), staging / DOCUMENT)
         learned = LearnedFile(staging / DOCUMENT)  # the blocks are those that export would give
-        for name, part in deploying.deployed_parts(learned).items():
-            build_part(part, learned.law, name, staging, rotary=learned.rotary)
+        deploying.build_parts(learned, staging)
         if learned.written:
             deploying.write_deployment(learned, staging / deploying.FOLDER)
         section = Section(

@@ -114,6 +114,14 @@ def test_from_a_dropped_log_to_the_downloaded_compensator(brief_server, browser,
     other.get_by_text("the drive moves").wait_for()
     assert page.locator(".q-chip").all_inner_texts()[0].startswith(log.name)
 
+    # A log with the same columns keeps what was entered.
+    shutil.copy(folder / "unnamed.csv", folder / "corrected.csv")
+    choose(other, "Logs", "corrected.csv")
+    chip = other.locator(".q-chip", has_text="unnamed.csv")
+    chip.locator(".q-chip__icon--remove").click()
+    other.get_by_text("corrected.csv").nth(1).wait_for()  # beside the chip, over the findings
+    other.get_by_text("the drive moves").wait_for()
+
     choose(page, "Friction law", "dahl")
     page.get_by_label("Compensator").first.fill("static")
     page.get_by_role("button", name="Learn").click()
@@ -134,7 +142,7 @@ def test_from_a_dropped_log_to_the_downloaded_compensator(brief_server, browser,
     with zipfile.ZipFile(download.value.path()) as deployed:
         assert {"added_force.c", "steps.html"} <= {*deployed.namelist()}
     offered = {*Workbench(folder).logs().values()}
-    assert offered == {"unnamed.csv", log.name, second.name}  # no table of results
+    assert offered == {"unnamed.csv", "corrected.csv", log.name, second.name}  # no table of results
     learned = json.loads((folder / "runs/learn-log-1/learned.json").read_text(encoding="utf-8"))
     assert {*learned["sha256"]} == {log.name, second.name}
 

@@ -4,6 +4,7 @@ import hashlib
 import json
 import re
 import shlex
+import zipfile
 from dataclasses import replace
 from html import unescape
 
@@ -197,6 +198,9 @@ def test_exported_code_states_where_its_numbers_come_from(sound, log, tmp_path):
     assert LearnedFile(tmp_path / "learned.json").drives == sound.trial.drives
     own = hashlib.sha256(log.read_bytes()).hexdigest()
     assert document["sha256"] == {log.name: own}
+    with zipfile.ZipFile(tmp_path / "compensator.fmu") as archive:
+        page = unescape(archive.read("documentation/index.html").decode())
+    assert own in page.split("Values")[1]
     learned = LearnedFile(tmp_path / "learned.json")
     for language, head in (("c", "compensator.h"), ("st", "compensator.st")):
         notes = provenance(learned, 0.6)

@@ -63,11 +63,15 @@ def learned(tmp_path_factory):
             "datasheet": encode(SHEET),
             "validation": validation_document(Trapezoid(0.02, 0.4, 0.1, 0.05)),
             "written": {"files": ["compensator.fmu", "observer.fmu"], "forced": False},
+            "verdict": {"source": "axis.csv", "headline": "of before", "doubts": [DOUBT]},
         }
         path.write_text(json.dumps(entries))
         return path
 
     return write
+
+
+DOUBT = "another loop than that of the log may have been described"
 
 
 @pytest.fixture(scope="module")
@@ -230,9 +234,12 @@ def check_deployment(folder, tuned):
         own = {v.name: v.start for v in block.variables if v.role == "parameter"}
         assert own == {name: starts[name] for name in own}
         assert (folder / "deploy" / f"{block.name}.c").exists()
+    assert tuned.document["verdict"] == {"source": "axis.csv", "doubts": [DOUBT]}
     assert (folder / "deploy" / "added_force.xml").exists()
     head = (folder / "deploy" / "added_force.h").read_text(encoding="utf-8")
     head = re.sub(r"\n[ *]*", " ", head)
+    for text in (DOUBT, tuned.document["tuning"]["sentence"]):
+        assert text in head
     for name in ("K_x", "K_p", "K_i", "tau_f", "T_s", "velocity_feedforward"):
         assert f"{name} = {getattr(tuned.loop, name):.5g}" in head
     page = re.sub("<[^>]*>", "", (folder / "deploy" / "steps.html").read_text(encoding="utf-8"))
