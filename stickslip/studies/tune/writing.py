@@ -18,6 +18,7 @@ from stickslip.learned.writing import component_entry, loop_document
 from stickslip.models.export.units import motion_unit
 from stickslip.presentation import style
 from stickslip.presentation.page import Section, picture_files, write_page
+from stickslip.presentation.quantity import number
 from stickslip.presentation.table import Column, Table
 from stickslip.storage import completed
 from stickslip.storage.codec import state
@@ -40,8 +41,6 @@ STALE = (
     *("verdict", "other_gains"),
 )
 """Entries of learned.json that hold in the present loop only."""
-LASTING = ("source", "doubts")
-"""What of a verdict holds in any loop."""
 NEAR = 0.01  # share of a range at its ends; a least cost there may be an end, not a minimum
 COLUMNS = (
     Column("parameter", "", "parameter", "Parameter"),
@@ -79,8 +78,7 @@ def tuned_document(found: TunedDrive) -> dict[str, Any]:
     learned, best = found.learned, found.best
     document = {name: one for name, one in learned.document.items() if name not in STALE}
     document["loop"] = loop_document(best.loop)
-    if stated := learned.document.get("verdict"):  # what was learned may be doubted as before
-        document["verdict"] = {name: stated[name] for name in LASTING if name in stated}
+    document["verdict"] = verdict(found)
     of_drive = partial(motion_unit, rotary=learned.rotary)
     if best.feedforward:
         share = {"value": best.share, "unit": "1"}
@@ -121,6 +119,21 @@ def tuned_document(found: TunedDrive) -> dict[str, Any]:
     return document
 
 
+def verdict(found: TunedDrive) -> dict[str, Any]:
+    """Return what is to be known first; what was learned is in doubt as before."""
+    stated = found.learned.document.get("verdict") or {}
+    doubts = stated.get("doubts", [])
+    changes = [
+        f"{row['parameter']} = {number(row['after'], 4)} {row['unit']}, before"
+        f" {number(row['before'], 4)}"
+        for row in parameters(found).rows
+        if row["after"] != row["before"]
+    ]
+    lines = [*(["set", one] for one in changes), *(["uncertain", one] for one in doubts)]
+    source = stated.get("source", found.learned.path.name)
+    return {"source": source, "headline": found.sentence, "doubts": doubts, "lines": lines}
+
+
 def write_tuned(found: TunedDrive, folder: Path | str) -> None:
     """Write tuned.json, tables, the page, the compensators and, in ``deploy``, how to use them.
 
@@ -155,6 +168,7 @@ def write_optimised(found: Optimum, source: Path, cost: Path, folder: Path) -> N
     with completed(folder, {"name": "tune", "system": str(source)}, FILES, frames) as staging:
         document = {"system": source.name, "criterion": cost.name, "cost": found.cost}
         document |= {"parameters": table.by_key(), "stopped": found.stopped}
+        document["verdict"] = {"headline": sentence_of(found)}
         write_json(document, staging / DOCUMENT)
         text = "<p>{{ sentence }}.</p>{{ table.html('Parameters of the system') }}"
         section = Section("", text, sentence=sentence_of(found), table=table)

@@ -234,7 +234,10 @@ def check_deployment(folder, tuned):
         own = {v.name: v.start for v in block.variables if v.role == "parameter"}
         assert own == {name: starts[name] for name in own}
         assert (folder / "deploy" / f"{block.name}.c").exists()
-    assert tuned.document["verdict"] == {"source": "axis.csv", "doubts": [DOUBT]}
+    verdict = tuned.document["verdict"]
+    assert (verdict["source"], verdict["doubts"]) == ("axis.csv", [DOUBT])
+    assert verdict["headline"] == tuned.document["tuning"]["sentence"]
+    assert ["uncertain", DOUBT] in verdict["lines"]
     assert (folder / "deploy" / "added_force.xml").exists()
     head = (folder / "deploy" / "added_force.h").read_text(encoding="utf-8")
     head = re.sub(r"\n[ *]*", " ", head)
