@@ -33,11 +33,6 @@ class Archive:
         """The members that are files."""
         return [m for m in self.members if not m.orig_filename.endswith("/")]
 
-    @property
-    def is_bomb(self) -> bool:
-        """Whether unpacking would take more than a real FMU ever does."""
-        return any(map(bool, zip_bomb(self)))
-
 
 def is_unsafe(name: str) -> bool:
     """Tell whether a member's name could leave the folder it is unpacked to."""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from stickslip.fmi.process import temporary_folder
 from stickslip.fmi.process.sandbox import Permissions
-from stickslip.fmucheck.archive import read_archive, unpack
+from stickslip.fmucheck.archive import read_archive, unpack, zip_bomb
 from stickslip.fmucheck.description.model import Description, Fmu
 from stickslip.fmucheck.document import checked_version, claimed_version, read_document
 from stickslip.fmucheck.rules import Report, grouped, stage
@@ -56,7 +56,7 @@ def check(
         content = folder / "fmu"
         content.mkdir()
         members: frozenset[str] = frozenset()
-        if archive.fault is None and not archive.is_bomb:
+        if archive.fault is None and not any(zip_bomb(archive)):
             members = unpack(archive, content)
         _apply(report, "archive", archive, None)
         if fmu := _check_content(report, members, content):

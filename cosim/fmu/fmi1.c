@@ -225,15 +225,12 @@ SHOWN fmi2Status fmi2SetTime(fmi2Component c, fmi2Real t) {
     return (fmi2Status)calls.SetTime(((Instance *)c)->own, t);
 }
 
-SHOWN fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n) {
-    return (fmi2Status)calls.SetContinuousStates(((Instance *)c)->own, x, n);
-}
-
-#define VECTOR(name, old)                                                                          \
-    SHOWN fmi2Status fmi2##name(fmi2Component c, fmi2Real values[], size_t n) {                    \
+#define VECTOR(name, old, constant)                                                                \
+    SHOWN fmi2Status fmi2##name(fmi2Component c, constant fmi2Real values[], size_t n) {           \
         return (fmi2Status)calls.old(((Instance *)c)->own, values, n);                             \
     }
-VECTOR(GetContinuousStates, GetContinuousStates)
-VECTOR(GetNominalsOfContinuousStates, GetNominalContinuousStates)
-VECTOR(GetDerivatives, GetDerivatives)
-VECTOR(GetEventIndicators, GetEventIndicators)
+VECTOR(SetContinuousStates, SetContinuousStates, const)
+VECTOR(GetContinuousStates, GetContinuousStates, )
+VECTOR(GetNominalsOfContinuousStates, GetNominalContinuousStates, )
+VECTOR(GetDerivatives, GetDerivatives, )
+VECTOR(GetEventIndicators, GetEventIndicators, )

@@ -89,19 +89,14 @@ void take_stray(Log *log) {
     forget_stray();
 }
 
-static bool more_severe(Log *log, int status) {
-    status = (unsigned)status > fmi2Pending ? fmi2Pending
-                                            : status; /* an unknown status is as severe as any */
-    if (status <= log->severity)
-        return false;
-    log->severity = status;
-    return true;
-}
-
 static void keep_message(Log *log, int status, const char *message) {
+    /* An unknown status is as severe as any. */
+    const int severity = (unsigned)status > fmi2Pending ? fmi2Pending : status;
     note_last(log, message);
-    if (more_severe(log, status))
+    if (severity > log->severity) {
+        log->severity = severity;
         snprintf(log->message, sizeof log->message, "%s", message);
+    }
 }
 
 /* Whether a format has a %n, which no message needs: it writes into memory. */

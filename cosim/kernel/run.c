@@ -42,11 +42,6 @@ static bool sweep(Run *run, Loop *loop) {
     return true;
 }
 
-static bool solve_initial(Run *run) {
-    run->initial->known = false;
-    return solve(run, run->initial, run->rows, sweep);
-}
-
 static bool initialise(Run *run) {
     MARK_TIME(NAN);
     if (run->external) {
@@ -62,7 +57,10 @@ static bool initialise(Run *run) {
     }
     FOR_EACH_COMPONENT(c) { TRY(get_initial(run, c)); }
     FOR_EACH_COMPONENT(c) { TRY(set_inputs(run, c, run->rows) && get_initial(run, c)); }
-    TRY(!run->initial || solve_initial(run));
+    if (run->initial) {
+        run->initial->known = false;
+        TRY(solve(run, run->initial, run->rows, sweep));
+    }
     FOR_EACH_COMPONENT(c) { TRY(exit_initialization(run, c)); }
     FOR_EACH_COMPONENT(c) { TRY(get_outputs(run, c, c->n_outputs, run->rows)); }
     return true;
@@ -210,13 +208,6 @@ static bool tune(Run *run) {
     return true;
 }
 
-static int64_t end_before_change(const Run *run, int64_t end) {
-    if (run->next_change == run->n_changes)
-        return end;
-    const int64_t step = run->changes[run->next_change].step;
-    return step < end ? step : end;
-}
-
 static enum Outcome go_on(Run *run) {
     if (run->done < 0) {
         run->block_start = 0;
@@ -238,8 +229,12 @@ static enum Outcome go_on(Run *run) {
     const time_t second = time(NULL);
     while (run->done < run->halt) {
         const int64_t left = run->halt - run->done;
-        const int64_t end = run->done + (left < run->block ? left : run->block);
-        if (!tune(run) || !step_block(run, end_before_change(run, end)))
+        int64_t end = run->done + (left < run->block ? left : run->block);
+        if (!tune(run))
+            return FAILED;
+        if (run->next_change < run->n_changes && run->changes[run->next_change].step < end)
+            end = run->changes[run->next_change].step;
+        if (!step_block(run, end))
             return FAILED;
         if (time(NULL) != second)
             return PAUSED;

@@ -110,7 +110,7 @@ class Result:
         return self.values[:, columns].reshape(-1, *variable.dimensions)
 
     def __contains__(self, name: object) -> bool:
-        return isinstance(name, str) and self._column(name) is not None
+        return self._column(name) is not None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.names)
@@ -141,8 +141,7 @@ class Result:
         default all signals are drawn, into a new figure; ``axes`` has one for each unit, in the
         order of the names. KeyError when a signal was not recorded.
         """
-        known = (self._column(name) if isinstance(name, str) else None for name in names)
-        columns = [*known] if names else range(len(self.names))
+        columns = [*map(self._column, names)] if names else range(len(self.names))
         chosen = {}
         for name, column in zip(names or self.names, columns, strict=True):
             if column is None:
@@ -222,21 +221,17 @@ class Result:
         write_excel(Path(path), self.frame())
         return Path(path)
 
+    def _column(self, name: object) -> int | None:
+        return self._columns.get(name) if isinstance(name, str) else None
+
     @cached_property
     def _columns(self) -> dict[str, int]:
-        return {name: column for column, name in enumerate(self.names)}
-
-    def _column(self, name: str) -> int | None:
-        """Return the column of a signal, by its name or that of the variable alone."""
-        return self._columns.get(name, self._short.get(name))
-
-    @cached_property
-    def _short(self) -> dict[str, int]:
-        """The columns of variables that one component alone has."""
+        """The column of each signal, by its name, and by that of a variable that only one has."""
         found: dict[str, list[int]] = {}
-        for name, column in self._columns.items():
+        for column, name in enumerate(self.names):
             found.setdefault(name.partition(".")[2], []).append(column)
-        return {name: columns[0] for name, columns in found.items() if name and len(columns) == 1}
+        short = {name: columns[0] for name, columns in found.items() if name and len(columns) == 1}
+        return short | {name: column for column, name in enumerate(self.names)}
 
 
 def _lines(rows: Iterable[Sequence[object]]) -> bytes:

@@ -8,7 +8,7 @@ from stickslip.fmucheck.rules import Claims, error, warning
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import CallFailed, Message, references, status_name
 from stickslip.fmucheck.running.instance import Instance
-from stickslip.fmucheck.running.run import finished, new_run
+from stickslip.fmucheck.running.run import finished
 
 
 def _unused(bench: Bench) -> int:
@@ -29,8 +29,7 @@ def _access(instance: Instance, verb: str, reference: int) -> int:
 def unknown_reference(bench: Bench) -> Claims:
     """A value reference that no variable has is accepted, or fatal."""
     for verb in ("Get", "Set"):
-        run = new_run(bench)
-        run.begin()
+        run = finished(bench, steps=0)
         if _access(run.instance, verb, _unused(bench)) in (0, 1):
             yield f"{verb} of a value", f"value reference {_unused(bench)} is accepted"
         else:
@@ -43,9 +42,7 @@ def bad_step(bench: Bench) -> Claims:
     if bench.is_exchange:
         return
     for size in (0.0, -bench.step_size):
-        run = new_run(bench)
-        run.begin()
-        run.go(2)
+        run = finished(bench, steps=2)
         if not run.ended and run.instance.attempt_step(run.time, size)[0] in (0, 1):
             yield f"{bench.binary.prefix}DoStep", f"a step of {size} is accepted"
         else:

@@ -12,7 +12,7 @@ from stickslip.fmucheck.rules import Claims, error, note
 from stickslip.fmucheck.running.bench import Bench
 from stickslip.fmucheck.running.calls import CallFailed, references
 from stickslip.fmucheck.running.instance import Instance, Values
-from stickslip.fmucheck.running.run import STEPS, Run, moved, new_run, other, scale
+from stickslip.fmucheck.running.run import STEPS, Run, finished, moved, new_run, other, scale
 
 _MOST_COMPARED = 40  # knowns and unknowns compared
 _PLACES = (0, 5)  # steps after which it is compared
@@ -93,13 +93,6 @@ def _slope(run: Run, unknown: Variable, known: Variable) -> Slope | None:
     return Slope(found[1], 10 * doubt + 2 * noise + 1e-12)
 
 
-def _at(bench: Bench, steps: int) -> Run:
-    run = new_run(bench, watching=False)
-    run.begin()
-    run.go(steps)
-    return run
-
-
 def _derivative(
     instance: Instance, unknown: Variable, known: Variable, name: str = "GetDirectionalDerivative"
 ) -> float:
@@ -117,7 +110,7 @@ def _compared(bench: Bench, name: str) -> Claims:
     """Yield where a function's derivatives are not those of differences."""
     reported = set()
     for steps in _PLACES if not bench.still else ():
-        run = _at(bench, steps)
+        run = finished(bench, watching=False, steps=steps)
         for unknown, known in _pairs(bench) if not run.ended else ():
             pair = f"d {unknown.name} / d {known.name}"
             if pair in reported:
@@ -150,7 +143,7 @@ def wrong_adjoint_derivative(bench: Bench) -> Claims:
 @error("2.2.8", "2.4.8", "write dependent")
 def wrong_dependency_kind(bench: Bench) -> Claims:
     """A dependency is declared as a constant or fixed factor, but the factor changes in a run."""
-    runs = [_at(bench, steps) for steps in (*_PLACES, 9)]
+    runs = [finished(bench, watching=False, steps=steps) for steps in (*_PLACES, 9)]
     for unknown in _smooth_unknowns(bench) if not any(run.ended for run in runs) else ():
         for (_, known), kind in zip(unknown.dependencies or (), unknown.kinds or (), strict=False):
             if kind not in ("constant", "fixed") or known is None or known not in _knowns(bench):
@@ -169,7 +162,8 @@ def _first_order(bench: Bench, name: str, variables: list[Variable]) -> Claims:
     numbers = references([v.reference or 0 for v in variables])
     counts = [] if bench.description.version == 2 else [count]
     values = (c_double * len(variables))()
-    status = _at(bench, 3).instance.status(name, numbers, count, orders, values, *counts)
+    instance = finished(bench, watching=False, steps=3).instance
+    status = instance.status(name, numbers, count, orders, values, *counts)
     yield from bench.failed(name, status)
 
 
@@ -279,8 +273,7 @@ def _after_steps(bench: Bench) -> Iterator[Seen]:
 
 def _rows(bench: Bench, outputs: list[Variable], shifted: Variable | None) -> list[list[Values]]:
     """Return outputs after each of a few steps, one input moved further or none."""
-    run = new_run(bench, watching=False)
-    run.begin()
+    run = finished(bench, watching=False, steps=0)
     rows = []
     while run.count < STEPS and not run.ended:
         run.move_inputs()

@@ -195,8 +195,7 @@ def _is_open(file: int) -> bool:
 def _first(bench: Bench, fault: Callable[[Variable, Values], str]) -> Claims:
     """Yield where each variable has a fault for the first time, after initialisation or a step."""
     reported = set()
-    run = new_run(bench, watching=False)
-    run.begin()
+    run = finished(bench, watching=False, steps=0)
     for steps in (0, *[1] * STEPS):
         run.go(steps)
         for v, elements in zip(bench.observed, run.instance.get(bench.observed), strict=True):
@@ -235,8 +234,7 @@ def leaves_its_range(bench: Bench) -> Claims:
 @error("2.2.7", "2.4.7.5", "use the same values in code and description")
 def start_differs(bench: Bench) -> Claims:
     """A parameter, constant or input does not have the start value of the description."""
-    run = new_run(bench, watching=False)
-    run.begin()
+    run = finished(bench, watching=False, steps=0)
     for v in bench.observed:
         fixed = v.causality in ("parameter", "input", "structuralParameter")
         if fixed or v.variability == "constant":

@@ -77,8 +77,7 @@ def variable_steps_fail(bench: Bench) -> Claims:
     """It declares canHandleVariableCommunicationStepSize, but other steps fail."""
     if bench.is_exchange or not bench.interface.flag("canHandleVariableCommunicationStepSize"):
         return
-    run = new_run(bench)
-    run.begin()
+    run = finished(bench, steps=0)
     time = bench.start_time
     unit = 1.0 if bench.interface.given.get("fixedInternalStepSize") else 0.5
     for factor in (1.0, unit, unit, 2.0):
@@ -94,19 +93,11 @@ def variable_steps_fail(bench: Bench) -> Claims:
 def _saved(bench: Bench) -> Iterator[tuple[Run, c_void_p]]:
     """Yield a run half way through and its saved state, if there is one; free the state."""
     if bench.interface.flag("canGetAndSetFMUState"):
-        run = half_way(bench)
+        run = finished(bench, steps=_HALF)
         state = run.instance.save()
         yield run, state
         if state.value is not None:
             run.instance.free_state(state)
-
-
-def half_way(bench: Bench) -> Run:
-    """Return a run half way through."""
-    run = new_run(bench)
-    run.begin()
-    run.go(_HALF)
-    return run
 
 
 @error("2.1.8", "2.2.7", "save and restore every part of the state")
@@ -165,8 +156,7 @@ def resumed(bench: Bench, run: Run, content: bytes) -> Run:
     """Return a run of a new instance from where ``run`` was when its state was serialised."""
     instance = bench.new()
     again = run.branch(instance)
-    start = new_run(bench, instance)
-    start.begin()
+    finished(bench, instance, steps=0)
     state = instance.deserialise(content)
     instance.restore(state)
     instance.free_state(state)
@@ -188,6 +178,7 @@ def state_lost_in_other_process(bench: Bench) -> Claims:
     """A state that was serialised in one process does not go on in another."""
     if "state" in bench.first:
         expected = bench.first["after"].split("\n")
-        again = resumed(bench, half_way(bench), bytes.fromhex(bench.first["state"]))
+        half = finished(bench, steps=_HALF)
+        again = resumed(bench, half, bytes.fromhex(bench.first["state"]))
         if where := difference(expected, again.rows):
             yield bench.interface.kind, f"after serialising into another process: {where}"

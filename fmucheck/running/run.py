@@ -234,11 +234,13 @@ def new_run(
     return kind(bench, instance or bench.new(), phase=phase, watching=watching)
 
 
-def finished(bench: Bench, instance: Instance | None = None, *, watching: bool = True) -> Run:
-    """Return a run of ``STEPS`` steps."""
+def finished(
+    bench: Bench, instance: Instance | None = None, *, watching: bool = True, steps: int = STEPS
+) -> Run:
+    """Return a run that has begun and done some steps, by default all."""
     run = new_run(bench, instance, watching=watching)
     run.begin()
-    run.go(STEPS)
+    run.go(steps)
     return run
 
 

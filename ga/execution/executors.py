@@ -120,7 +120,9 @@ class Processes(Executor):
 
     def _made(self) -> ProcessPoolExecutor:
         context: BaseContext = get_context("spawn")
-        if _serves_workers():  # from a server that has loaded this, once for all pools
+        # The path of a server's socket has at most 107 bytes
+        if sys.platform == "linux" and len(os.fsencode(tempfile.gettempdir())) <= 70:
+            # From a server that has loaded this, once for all pools
             context = get_context("forkserver")
             context.set_forkserver_preload([__name__, "stickslip.cosim"])
         begin = partial(_depend_on_parent, dict(os.environ))
@@ -133,11 +135,6 @@ def _called(call: bytes) -> Any:
         return function(*args, **kwargs)
     except Exception as fault:
         raise Raised(pickled(fault)) from fault
-
-
-def _serves_workers() -> bool:
-    """Whether a server can fork workers: the path of its socket has at most 107 bytes."""
-    return sys.platform == "linux" and len(os.fsencode(tempfile.gettempdir())) <= 70
 
 
 def _depend_on_parent(environment: dict[str, str]) -> None:

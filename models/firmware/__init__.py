@@ -103,7 +103,9 @@ def _write(
         files[f"{name}.st"] = "\n".join(texts)
     if rotary:
         files = {file: _COMMENT.sub(_of_rotary, text) for file, text in files.items()}
-    lines = [*map(_harmless, notes), _memory(blocks)]
+    # Notes that cannot end the comment in which they stand
+    harmless = (re.sub(r"\*(?=[/)])|(?<=[/(])\*", "x", printable(line)) for line in notes)
+    lines = [*harmless, _memory(blocks)]
     begin, mark, end = ("/*", " * ", " */") if is_c else ("(*", "   ", "*)")
     head = "\n".join([begin, *(f"{mark}{line}" for line in lines), end, ""])
     headed = f"{name}{'.h' if is_c else '.st'}"
@@ -111,11 +113,6 @@ def _write(
     if language == "plcopen":
         files = {f"{name}.xml": plcopen_text(name, files[headed])}
     return [atomic_write(Path(folder) / file, text) for file, text in files.items()]
-
-
-def _harmless(line: str) -> str:
-    """Return a line that cannot end the comment in which it stands."""
-    return re.sub(r"\*(?=[/)])|(?<=[/(])\*", "x", printable(line))
 
 
 def _memory(blocks: Sequence[Model]) -> str:

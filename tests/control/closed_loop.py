@@ -8,6 +8,7 @@ from scipy.linalg import expm
 
 from stickslip import cosim
 from stickslip.servo.axis import Axis
+from stickslip.servo.systems import servo_loop
 from stickslip.servo.velocity_loop import VelocityLoop
 
 NO_FRICTION = {"F_s": 1e-9, "F_c": 1e-9, "sigma_0": 1e-3, "sigma_1": 0.0}
@@ -46,16 +47,10 @@ def follow(loop: VelocityLoop, v_cmd: np.ndarray, F_ff: np.ndarray) -> np.ndarra
 
 def ideal_servo(fmus: Path, loop: VelocityLoop) -> cosim.System:
     """Return controller and drive in a loop: no friction to speak of, nothing quantised."""
-    system = cosim.System("servo")
-    gains = {"T_s": loop.T_s, "tau_f": loop.tau_f, "K_p": loop.K_p, "K_i": loop.K_i}
-    system.add("controller", fmus / "velocity_controller.fmu", gains)
+    system = servo_loop(fmus, loop)
     axis = {"m": loop.axis.m, "b": loop.axis.b, "current_loop": loop.axis.tau_i > 0.0}
     if loop.axis.tau_i > 0.0:
         axis["tau_i"] = loop.axis.tau_i
     ideal = {**axis, **NO_FRICTION, "encoder": False, "dac": False}
-    system.add("drive", fmus / "drive.fmu", ideal)
-    system.connect("controller.u", "drive.u")
-    system.connect("drive.x_enc", "controller.x_enc")
-    system.expose("v_cmd", "controller.v_cmd")
-    system.expose("F_ff", "controller.F_ff")
+    system.parameters |= {f"drive.{name}": value for name, value in ideal.items()}
     return system

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from stickslip import cosim
 from stickslip.servo.axis import Axis, ControlError
 from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_filter import FilterSpecification, design_velocity_filter
@@ -67,20 +66,6 @@ def filtered(request: pytest.FixtureRequest) -> VelocityLoop:
     return loop.changed(m_ff=m_ff, velocity_filter=design_velocity_filter(axis, T_S, SPECIFICATION))
 
 
-def servo_of_fmus(fmus, loop) -> cosim.System:
-    system = ideal_servo(fmus, loop)
-    system.add("filter", fmus / "velocity_filter.fmu", loop.velocity_filter.parameters())
-    for source, target in (
-        ("drive.x_enc", "filter.x_enc"),
-        ("drive.F_m", "filter.F_m"),
-        ("filter.v_hat", "controller.v_hat"),
-    ):
-        system.connect(source, target)
-    system.parameters |= {"controller.use_v_hat": True, "controller.m_ff": loop.m_ff}
-    system.expose("a_cmd", "controller.a_cmd")
-    return system
-
-
 def test_without_friction_the_drive_is_the_nominal_loop(fmus, filtered):
     """A whole sweep: python-control's matrices in an FMU, and the loop of FMUs."""
     commands = filtered.commands(0.02 * np.sin(np.linspace(0.0, 9.0, 1001) ** 2))
@@ -95,8 +80,8 @@ def test_without_friction_the_drive_is_the_nominal_loop(fmus, filtered):
 def test_a_known_force_does_what_the_compliance_says(fmus, filtered):
     rng = np.random.default_rng(2)
     force = np.repeat(rng.normal(scale=10.0, size=41), 25)[:1001]
-    system = servo_of_fmus(fmus, filtered)
-    system.inputs["F_ff"] = ("controller.F_ff", "filter.F_ff")
+    system = ideal_servo(fmus, filtered)
+    system.expose("F_ff", "controller.F_ff", "filter.F_ff")
     result = system.prepare(step=T_S, stop=0.5).run(inputs={"F_ff": force})
     C, A, B = filtered.compliance.C, filtered.compliance.A, filtered.compliance.B
     x, expected = np.zeros(len(A)), []

@@ -260,79 +260,6 @@ static int do_step(Model *m, double t, double h, bool *event, bool *terminate, b
     return 0;
 }
 
-/* Typed access: one body for all types. */
-#define ACCESS(prefix, name, type, member, TAIL, SIZES)                                            \
-    prefix##Status prefix##Set##name(void *c, const unsigned r[], size_t n,                        \
-                                     const type values[] TAIL) {                                   \
-        Model *m = c;                                                                              \
-        SIZES;                                                                                     \
-        for (size_t i = 0, k = 0; i < n; i++) {                                                    \
-            if (!allowed(m, r[i])) {                                                               \
-                return prefix##Error;                                                              \
-            }                                                                                      \
-            for (size_t j = 0; j < length(m, r[i]); j++) {                                         \
-                m->v[r[i] + j].member = values[k++];                                               \
-            }                                                                                      \
-        }                                                                                          \
-        return prefix##OK;                                                                         \
-    }                                                                                              \
-    prefix##Status prefix##Get##name(void *c, const unsigned r[], size_t n, type values[] TAIL) {  \
-        Model *m = c;                                                                              \
-        SIZES;                                                                                     \
-        outputs(m);                                                                                \
-        for (size_t i = 0, k = 0; i < n; i++) {                                                    \
-            for (size_t j = 0; j < length(m, r[i]); j++) {                                         \
-                values[k++] = (type)m->v[r[i] + j].member;                                         \
-            }                                                                                      \
-        }                                                                                          \
-        return prefix##OK;                                                                         \
-    }
-static size_t length(const Model *m, unsigned r) {
-    const size_t size = (size_t)m->v[N].i;
-    return MODEL != STATE_SPACE || r == N ? 1 : r == A ? size * size : size;
-}
-#define NOTHING
-#define COUNTED , size_t n_values
-ACCESS(fmi2, Real, fmi2Real, d, NOTHING, (void)0)
-ACCESS(fmi2, Integer, fmi2Integer, i, NOTHING, (void)0)
-ACCESS(fmi2, Boolean, fmi2Boolean, i, NOTHING, (void)0)
-#define ACCESS3(name, type, member) ACCESS(fmi3, name, type, member, COUNTED, (void)n_values)
-ACCESS3(Float64, double, d)
-ACCESS3(Float32, float, d)
-ACCESS3(Int8, int8_t, i)
-ACCESS3(UInt8, uint8_t, i)
-ACCESS3(Int16, int16_t, i)
-ACCESS3(UInt16, uint16_t, i)
-ACCESS3(Int32, int32_t, i)
-ACCESS3(UInt32, uint32_t, i)
-ACCESS3(Int64, int64_t, i)
-ACCESS3(UInt64, uint64_t, u)
-ACCESS3(Boolean, bool, i)
-fmi2Status fmi2SetString(void *c, const unsigned r[], size_t n, const fmi2String v[]) {
-    for (size_t i = 0; i < n; i++)
-        snprintf(((Model *)c)->v[r[i]].text, 32, "%s", v[i]);
-    return fmi2OK;
-}
-fmi3Status fmi3SetString(void *c, const unsigned r[], size_t n, const fmi3String v[], size_t nv) {
-    return (void)nv, (fmi3Status)fmi2SetString(c, r, n, v);
-}
-fmi2Status fmi2GetString(void *c, const unsigned r[], size_t n, fmi2String v[]) {
-    Model *m = c;
-    outputs(m);
-    for (size_t i = 0; i < n; i++)
-        v[i] = r[i] != SIGN ? m->v[r[i]].text : m->v[SHOWN].d > 0.0 ? "up" : "not \xc3\xbcp";
-    return fmi2OK;
-}
-fmi3Status fmi3GetString(void *c, const unsigned r[], size_t n, fmi3String v[], size_t nv) {
-    return (void)nv, (fmi3Status)fmi2GetString(c, r, n, v);
-}
-fmi3Status fmi3SetBinary(void *c, const unsigned r[], size_t n, const size_t sizes[],
-                         const fmi3Binary v[], size_t nv) {
-    (void)nv, (void)r, (void)v;
-    ((Model *)c)->v[N_BYTES].i = n ? (int64_t)sizes[0] : 0;
-    return fmi3OK;
-}
-
 /* Where the resources lie: a URI in FMI 2.0; in FMI 3.0 a path that ends in a separator, which
  * Model Exchange does not check. */
 static bool well_placed(const char *resources, bool version_2, bool exchange) {
@@ -378,6 +305,70 @@ static int update_info(Model *m, fmi2EventInfo *info) {
 #define UPDATE update_info(m, info)
 #define ENTER_EVENT_MODE (((Model *)m)->v[EVENTS].i += MODEL == OSCILLATOR, 0)
 #include "fmu.h"
+
+/* Typed access: one body for all types. */
+#define ACCESS(fmi, Name, type, member, ...)                                                       \
+    fmi##Status fmi##Set##Name(void *c, const unsigned r[], size_t n,                              \
+                               const type v[] __VA_OPT__(, ) __VA_ARGS__) {                        \
+        Model *m = c;                                                                              \
+        for (size_t k = 0; k < n; k++) {                                                           \
+            if (!allowed(m, r[k]))                                                                 \
+                return fmi##Error;                                                                 \
+            for (size_t i = 0; i < length(m, r[k]); i++)                                           \
+                m->v[r[k] + i].member = *v++;                                                      \
+        }                                                                                          \
+        return fmi##OK;                                                                            \
+    }                                                                                              \
+    fmi##Status fmi##Get##Name(void *c, const unsigned r[], size_t n,                              \
+                               type v[] __VA_OPT__(, ) __VA_ARGS__) {                              \
+        Model *m = c;                                                                              \
+        outputs(m);                                                                                \
+        for (size_t k = 0; k < n; k++)                                                             \
+            for (size_t i = 0; i < length(m, r[k]); i++)                                           \
+                *v++ = (type)m->v[r[k] + i].member;                                                \
+        return fmi##OK;                                                                            \
+    }
+static size_t length(const Model *m, unsigned r) {
+    const size_t size = (size_t)m->v[N].i;
+    return MODEL != STATE_SPACE || r == N ? 1 : r == A ? size * size : size;
+}
+ACCESS(fmi2, Real, fmi2Real, d, )
+ACCESS(fmi2, Integer, fmi2Integer, i, )
+ACCESS(fmi2, Boolean, fmi2Boolean, i, )
+ACCESS(fmi3, Float64, double, d, size_t values)
+ACCESS(fmi3, Float32, float, d, size_t values)
+ACCESS(fmi3, Int8, int8_t, i, size_t values)
+ACCESS(fmi3, UInt8, uint8_t, i, size_t values)
+ACCESS(fmi3, Int16, int16_t, i, size_t values)
+ACCESS(fmi3, UInt16, uint16_t, i, size_t values)
+ACCESS(fmi3, Int32, int32_t, i, size_t values)
+ACCESS(fmi3, UInt32, uint32_t, i, size_t values)
+ACCESS(fmi3, Int64, int64_t, i, size_t values)
+ACCESS(fmi3, UInt64, uint64_t, u, size_t values)
+ACCESS(fmi3, Boolean, bool, i, size_t values)
+fmi2Status fmi2SetString(void *c, const unsigned r[], size_t n, const fmi2String v[]) {
+    for (size_t i = 0; i < n; i++)
+        snprintf(((Model *)c)->v[r[i]].text, 32, "%s", v[i]);
+    return fmi2OK;
+}
+fmi3Status fmi3SetString(void *c, const unsigned r[], size_t n, const fmi3String v[], size_t nv) {
+    return (fmi3Status)fmi2SetString(c, r, n, v);
+}
+fmi2Status fmi2GetString(void *c, const unsigned r[], size_t n, fmi2String v[]) {
+    Model *m = c;
+    outputs(m);
+    for (size_t i = 0; i < n; i++)
+        v[i] = r[i] != SIGN ? m->v[r[i]].text : m->v[SHOWN].d > 0.0 ? "up" : "not \xc3\xbcp";
+    return fmi2OK;
+}
+fmi3Status fmi3GetString(void *c, const unsigned r[], size_t n, fmi3String v[], size_t nv) {
+    return (fmi3Status)fmi2GetString(c, r, n, v);
+}
+fmi3Status fmi3SetBinary(void *c, const unsigned r[], size_t n, const size_t sizes[],
+                         const fmi3Binary v[], size_t nv) {
+    ((Model *)c)->v[N_BYTES].i = n ? (int64_t)sizes[0] : 0;
+    return fmi3OK;
+}
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, fmi2StatusKind kind, fmi2Boolean *value) {
     *value = kind == fmi2Terminated && ((Model *)c)->terminate;

@@ -61,16 +61,13 @@ class Rig:
 
     def __init__(self, path, version, kind):
         self.kind = kind
-        fmu = faults.write(path, faults.ARMED_ELSEWHERE, version, self._of_fmu)
+        of_fmu = "plain" if kind == "adaptive" else kind
+        fmu = faults.write(path, faults.ARMED_ELSEWHERE, version, of_fmu)
         self.system = one(fmu, {"k": 2.0}, "u")
         if kind == "adaptive":  # the step follows what is connected
             self.system.add("b", faults.write(path.with_name("b.fmu"), "none 1 0", version))
             self.system.connect("a.y", "b.u")
         self._library = ctypes.CDLL(str(self.system.components["a"].binary))
-
-    @property
-    def _of_fmu(self):
-        return "plain" if self.kind == "adaptive" else self.kind
 
     def prepare(self):
         adaptive = Coupling(degree=1, adaptive=Adaptive(1e-4))

@@ -7,7 +7,9 @@ import numpy as np
 import pandas as pd
 import pint
 import pint_pandas  # noqa: F401 - it defines the types of columns
+import pyarrow
 import pytest
+from pyarrow import parquet
 
 from stickslip import cosim
 from tests.cosim.single import joined, one
@@ -101,8 +103,6 @@ AT = np.array([-1.0, 0.5, 1.0, 1.5, 9.0])
 
 @pytest.mark.parametrize("kind", ["frame", "index", "csv", "parquet"])
 def test_all_sources_give_the_same_signals(tmp_path, kind):
-    if kind == "parquet":
-        pytest.importorskip("pyarrow")
     source = tmp_path / f"in.{kind}"
     if kind == "csv":
         FRAME.to_csv(source, index=False)
@@ -155,10 +155,9 @@ def test_other_inputs_stay_what_they_are():
 
 
 def test_integers_and_truths_are_numbers(tmp_path):
-    arrow, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
     path = tmp_path / "in.parquet"
-    columns = {"time": [0, 1], "n": arrow.array([3, 4], arrow.uint8()), "on": [False, True]}
-    parquet.write_table(arrow.table(columns), path)
+    columns = {"time": [0, 1], "n": pyarrow.array([3, 4], pyarrow.uint8()), "on": [False, True]}
+    parquet.write_table(pyarrow.table(columns), path)
     tables = cosim.read_tables(path)
     times = np.array([0.0, 1.0])
     assert tables["n"].sample(times).tolist() == [3.0, 4.0]
@@ -172,7 +171,6 @@ def test_without_pyarrow_the_message_says_how_to_get_it(tmp_path, monkeypatch):
 
 
 def test_results_in_parquet_keep_every_bit_and_the_units(make, tmp_path):
-    parquet = pytest.importorskip("pyarrow.parquet")
     system = one(make("gain"), u="u")
     result = system.prepare(step=0.1, stop=1.0).run(inputs={"u": np.sin})
     path = result.to_parquet(tmp_path / "out.parquet")

@@ -139,11 +139,6 @@ def end(system, **inputs):
     return system.prepare(step=0.5, stop=1.0).run(inputs=inputs)["b.y"][-1]
 
 
-@pytest.mark.parametrize(("source", "target", "factor"), [("mN", "N", 1e-3), ("N", "mN", 1e3)])
-def test_a_connection_converts_units(make, source, target, factor):
-    assert end(two_gains(make, source, target), x=3.0) == pytest.approx(6.0 * factor, rel=1e-15)
-
-
 def test_an_exposed_input_has_one_unit_and_feeds_targets_in_theirs(make):
     system = joined({"a": make("gain"), "b": make("gain", u="mN")}, x="a.u b.u")
     assert end(system, x=2.0) == pytest.approx(2000.0)

@@ -103,7 +103,6 @@ def test_a_damaged_library_or_hash_of_it_is_built_again(compilations, damage, en
     assert len(compilations) == 2
 
 
-@pytest.mark.usefixtures("fresh")
 def test_a_failed_compilation_says_where_and_leaves_nothing(fresh):
     with pytest.raises(toolchain.CompilationFailed) as failure:
         toolchain.shared_library("answer", {"wrong.c": "int answer(void) { return nothing; }\n"})

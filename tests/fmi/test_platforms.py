@@ -97,11 +97,6 @@ def test_cancelling_ends_though_a_future_does_not_answer(monkeypatch):
 START_VALUES = {"A[1,1]": 4.25, "D": 1e-300}
 
 
-def library_of(path):
-    [library] = [data for name, data in members(path).items() if name.startswith("binaries/")]
-    return library
-
-
 def pages(library):
     """Yield the hash of each page, as signed and as it is: the code directory of a library."""
     place = 32
@@ -131,7 +126,7 @@ def test_the_signature_of_a_library_of_macos_holds(platform, tmp_path):
     fmu = models.build_fmu(
         "nominal_loop", tmp_path, fmi=3, platforms=[platform], start=START_VALUES
     )
-    library = library_of(fmu)
+    [library] = [data for name, data in members(fmu).items() if name.startswith("binaries/")]
     assert struct.pack("<d", 4.25) in library
     found = list(pages(library))
     assert found or "aarch64" not in platform.target

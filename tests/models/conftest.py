@@ -11,6 +11,7 @@ import pytest
 
 from stickslip import cosim, models
 from stickslip.fmi import toolchain
+from tests.corpus.fmu import EXPORT
 from tests.cosim.single import exposed
 
 MODELS = Path(models.__file__).parent
@@ -111,7 +112,7 @@ def library() -> ctypes.CDLL:
     """Compile the numerics of models/ with ``probe.c``, which exports them."""
     paths = (MODELS / "numerics").glob("elementary.*"), (MODELS / "numerics").glob("noise.*")
     files = {f"numerics/{path.name}": path.read_text() for path in itertools.chain(*paths)}
-    files["probe.c"] = Path(__file__).with_name("probe.c").read_text()
+    files["probe.c"] = EXPORT + Path(__file__).with_name("probe.c").read_text()
     return ctypes.CDLL(str(toolchain.shared_library("probe", files, flags=["-lm"])))
 
 

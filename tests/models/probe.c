@@ -1,14 +1,8 @@
-/* The elementary functions and the noise of models/, on arrays. */
+/* The elementary functions and the noise of models/, on arrays; conftest.py defines EXPORT. */
 #include <stddef.h>
 
 #include "numerics/elementary.h"
 #include "numerics/noise.h"
-
-#ifdef _WIN32
-#define EXPORT __declspec(dllexport)
-#else
-#define EXPORT __attribute__((visibility("default")))
-#endif
 
 #define MAP(name, function)                                                                        \
     EXPORT void probe_##name(size_t n, const double x[], double y[]);                              \

@@ -96,6 +96,10 @@ def test_the_drive_is_that_of_the_equations(with_law, observe):
     compare(with_law, observe, "drive", ideal | GUIDE, near=NEAR, n=101)
 
 
+def test_the_stage_with_damping_that_fades_is_that_of_the_equations(with_law, observe):
+    compare(with_law, observe, "stage", {"v_d": 2e-3}, near={"F_f": 1e-4})
+
+
 def test_a_weight_of_the_network_stays_within_its_limit(observe):
     record = tuple(f"fmu.w[{i},{j}]" for i in range(1, 9) for j in range(1, 5))
     signals = {"v_r": np.full(600, 0.05), "u": np.full(600, 1e4)}

@@ -66,14 +66,14 @@ static void leak(void) {
 
 static void ignore(int number) { (void)number; }
 
-static void flood(void) {
-    for (;;)
-        puts("there is no end to what I have to say about every step that I was asked to make");
+static void close_files(int n) {
+    for (int i = 0; i < n; i++)
+        close(i);
 }
 
-static void flood_log(const Model *m) {
-    for (;;)
-        say(m, 1, "this step was almost too much for me");
+static void scribble(int n_files, const char *text, size_t n) {
+    for (int i = 0; i < n_files; i++)
+        (void)!write(i, text, n);
 }
 
 static void sleep_elsewhere(void) {
@@ -113,8 +113,10 @@ static int act(Model *m) {
             sleep(60);
     }
     IF("leak") { leak(); }
-    IF("flood") { flood(); }
-    IF("flood_log") { flood_log(m); }
+    while (strcmp(what, "flood") == 0)
+        puts("there is no end to what I have to say about every step that I was asked to make");
+    while (strcmp(what, "flood_log") == 0)
+        say(m, 1, "this step was almost too much for me");
     IF("last_words") {
         fputs("assertion failed: x > 0\n", stderr);
         abort();
@@ -167,33 +169,15 @@ static int act(Model *m) {
     IF("round_down") { fesetround(FE_DOWNWARD); }
     IF("round_to_zero") { fesetround(FE_TOWARDZERO); }
     IF("signals") { change(); }
-    IF("close") {
-        for (int i = 0; i < 1024; i++)
-            close(i);
-    }
-    IF("close_standard") {
-        for (int i = 0; i < 3; i++)
-            close(i);
-    }
-    IF("scribble") {
-        for (int i = 0; i < 1024; i++)
-            (void)!write(i, "{\"error\": 1}{\"error\": 1}", 24);
-    }
-    IF("scribble_standard") {
-        for (int i = 0; i < 3; i++)
-            (void)!write(i, "what is printed", 15);
-    }
-    IF("scribble_lines") {
-        for (int i = 0; i < 1024; i++)
-            (void)!write(i, "\n5\n[]\n\xff\xfe\n", 9);
-    }
-    IF("scribble_frame") { /* two bytes behind their length */
-        for (int i = 0; i < 1024; i++)
-            (void)!write(i, "\2\0\0\0\0\0\0\0{}", 10);
-    }
+    IF("close") { close_files(1024); }
+    IF("close_standard") { close_files(3); }
+    IF("scribble") { scribble(1024, "{\"error\": 1}{\"error\": 1}", 24); }
+    IF("scribble_standard") { scribble(3, "what is printed", 15); }
+    IF("scribble_lines") { scribble(1024, "\n5\n[]\n\xff\xfe\n", 9); }
+    /* two bytes behind their length */
+    IF("scribble_frame") { scribble(1024, "\2\0\0\0\0\0\0\0{}", 10); }
     IF("mumble") {
-        for (int i = 0; i < 1024; i++)
-            (void)!write(i, "\2\0\0", 3);
+        scribble(1024, "\2\0\0", 3);
         sleep(1000);
     }
     IF("chat_astray") { astray = true; }

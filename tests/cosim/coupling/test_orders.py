@@ -26,17 +26,13 @@ def order_of(coupling, kind="ME"):
     return min(first, best, means)
 
 
-def single(linear, kind):
-    """x' = u, y1 = x, y2 = x + 2 u."""
+def source_error(linear, kind, step, coupling, signal):
+    """Return the greatest error for u = cos 3t of x' = u, y1 = x, y2 = x + 2 u: of x, and of y2."""
     version, abilities = KINDS[kind]
     parameters = {"b11": 1.0, "c11": 1.0, "c21": 1.0, "d21": 2.0}
-    return one(linear(version, "d21", **abilities), parameters, "u1")
-
-
-def source_error(linear, kind, step, coupling, signal):
-    """Return the greatest error of state and output for u = cos 3t."""
     spec = {"step": step, "stop": 2.0, "coupling": coupling, "tolerance": FINE}
-    with single(linear, kind).prepare(**spec) as simulation:
+    system = one(linear(version, "d21", **abilities), parameters, "u1")
+    with system.prepare(**spec) as simulation:
         result = simulation.run(inputs={"u": signal})
         t = result.time
     state = abs(result["a.y1"] - np.sin(3 * t) / 3).max()

@@ -176,13 +176,10 @@ print(simulation.run()["plant.y"][-1], flush=True)
 
 def start(hostile, behaviour):
     path = hostile(behaviour).components["plant"].path
+    own = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
     return subprocess.Popen(
-        [sys.executable, "-c", SCRIPT, path], stdout=subprocess.PIPE, stderr=-3, env=_environment()
+        [sys.executable, "-c", SCRIPT, path], stdout=subprocess.PIPE, stderr=-3, env=own
     )
-
-
-def _environment():
-    return os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
 
 
 def is_gone(group, seconds=10.0):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.coupling import ring
-from stickslip import cosim
+from stickslip import cosim, models
 from stickslip.cosim.signals.signals import Table
 from tests.cosim.single import one
 
@@ -77,7 +77,6 @@ def test_a_result_outlives_the_next_run_and_the_child(fmus):
 
 
 def test_events_and_model_exchange_behind_the_general_path(tmp_path):
-    models = pytest.importorskip("models")
     system = one(
         models.build_fmu("stage", tmp_path), u="u", name="stage", interface="model_exchange"
     )
@@ -85,7 +84,6 @@ def test_events_and_model_exchange_behind_the_general_path(tmp_path):
 
 
 def test_state_and_progress(tmp_path):
-    models = pytest.importorskip("models")
     system = one(models.build_fmu("stage", tmp_path), u="u", name="stage")
     spec = cosim.Specification(system, STEP, STOP)
     reached = []

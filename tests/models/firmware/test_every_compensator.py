@@ -106,8 +106,6 @@ LEARNED = {
     if (ports := models.load_model(name).ports) and ports.learned
 }
 """Members of the memory that are learned."""
-LARGE = ("rbf", "mlp")
-"""Networks, which structured text runs slowly; lffc is one as well."""
 
 
 def members(model: models.Model, role: str) -> list[str]:
@@ -170,8 +168,10 @@ FLOATS = [*FEEDFORWARDS, "observer", "momentum_observer", "mlp", "lugre_network"
 @pytest.mark.parametrize("case", CASES)
 def test_c_in_double_is_the_fmu_bit_for_bit_and_structured_text_agrees(exported, case):
     folder = exported(case)
-    model, expected, _ = of_fmu(folder, case)
-    np.testing.assert_array_equal(of_c(folder, model)[0], expected)
+    model, expected, learned = of_fmu(folder, case)
+    found, memory = of_c(folder, model)
+    np.testing.assert_array_equal(found, expected)
+    np.testing.assert_array_equal(memory[: len(learned)], learned)
     assert np.ptp(expected) > 5.0  # N
     blocks = structured_text.load((folder / f"{model.name}.st").read_text())
     block = blocks[model.name.capitalize()]
@@ -183,6 +183,10 @@ def test_c_in_double_is_the_fmu_bit_for_bit_and_structured_text_agrees(exported,
         assert scope["valid"]
         found = [scope[name] for name in outputs]
         np.testing.assert_allclose(found, expected[k], rtol=0, atol=1e-7)
+    if case in LEARNED:  # a member of the memory, from which the next function block begins
+        shown = next(scope[key] for key in (LEARNED[case], f"{LEARNED[case]}_1") if key in scope)
+        _, _, learned = of_fmu(folder, case, 200)
+        np.testing.assert_allclose(np.ravel(shown), learned, rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="g++ is not installed here")
@@ -210,24 +214,6 @@ def test_c_in_float_is_near(exported, case):
     error = np.abs(found - expected)
     assert error.max() > 0.0  # float was compiled indeed
     assert np.sqrt(np.mean(error**2)) < 0.02 * np.ptp(expected)
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=pytest.mark.thorough if n in LARGE else ()) for n in LEARNED]
-)
-def test_what_is_learned_is_read_in_c_and_structured_text(exported, name):
-    """A member of the memory, and an output of the function block, from which the next begins."""
-    folder = exported(name)
-    model, _, expected = of_fmu(folder, name)
-    _, learned = of_c(folder, model)
-    np.testing.assert_array_equal(learned[: len(expected)], expected)
-    block = structured_text.load((folder / f"{name}.st").read_text())[name.capitalize()]
-    given = signals(members(model, "input"))
-    for k in range(200):
-        scope = block(**{one: float(values[k]) for one, values in given.items()})
-    shown = next(scope[key] for key in (LEARNED[name], f"{LEARNED[name]}_1") if key in scope)
-    _, _, expected = of_fmu(folder, name, 200)
-    np.testing.assert_allclose(np.ravel(shown), expected, rtol=1e-9, atol=1e-9)
 
 
 def test_what_structured_text_has_not_is_refused(tmp_path):

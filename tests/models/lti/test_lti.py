@@ -65,28 +65,25 @@ def test_double_integrator_from_its_own_start(h, tmp_path):
     np.testing.assert_allclose(again["f.x"], 5 * t + t**2, rtol=0, atol=1e-11)
 
 
-def transfer_matrix(dt: float) -> control.TransferFunction:
-    poles = [-1.0, -5.0, -2.0] if dt == 0 else [0.9, 0.5, -0.3]
-    first, second, third = ([1.0, -p] for p in poles)
-    return control.tf(
-        [[[1.0], [2.0, 1.0]], [[3.0], [0.0]], [[1.0, 1.0], [4.0]]],
-        [[first, np.polymul(first, second)], [first, [1.0]], [third, third]],
-        *([dt] if dt else []),
-        inputs=["force", "torque"],
-        outputs=["x", "phi", "i"],
-    )
-
-
 @pytest.mark.parametrize(("dt", "fmi"), [(0.0, 2), (0.1, 3)])
 def test_transfer_functions_of_many_inputs_and_outputs(dt, fmi, tmp_path):
     """Each response is that of the single transfer function; none of them needs slycot."""
-    system = transfer_matrix(dt)
+    poles = [-1.0, -5.0, -2.0] if dt == 0 else [0.9, 0.5, -0.3]
+    first, second, third = ([1.0, -p] for p in poles)
+    sampled = [dt] if dt else []
+    system = control.tf(
+        [[[1.0], [2.0, 1.0]], [[3.0], [0.0]], [[1.0, 1.0], [4.0]]],
+        [[first, np.polymul(first, second)], [first, [1.0]], [third, third]],
+        *sampled,
+        inputs=["force", "torque"],
+        outputs=["x", "phi", "i"],
+    )
     path = models.export_lti(system, tmp_path, fmi=fmi)
     for k in range(2):
         inputs = [float(j == k) for j in range(2)]
         result = run(path, 0.1, 40, inputs)
         for i, name in enumerate(["x", "phi", "i"]):
-            single = control.tf(system.num[i][k], system.den[i][k], *([dt] if dt else []))
+            single = control.tf(system.num[i][k], system.den[i][k], *sampled)
             expected = control.step_response(single, result.time).outputs
             np.testing.assert_allclose(result[f"f.{name}"], expected, rtol=0, atol=1e-12)
 
