@@ -148,7 +148,7 @@ def test_the_fmus_of_every_entrant_take_its_start_values(tmp_path, loop):
         genes = {gene.name: gene.start for gene in problem.genes} if problem else {}
         tuned = one.tuned(genes, loop, coarse, Datasheet())
         with Course(tmp_path / "lugre", one.base(loop), one, 10, ("drive.x",)) as course:
-            assert np.isfinite(course.run(tuned, np.full(10, 0.01))["drive.x"]).all(), one.name
+            assert np.isfinite(course.run(tuned, np.full(10, 0.01))["drive.x"]).all(), one.title
 
 
 def test_composite_feedback_is_as_robust_as_its_worst_linear_loop(built, loop):
