@@ -132,21 +132,19 @@ class ChainResponse(ExitStack):
     ) -> dict[str, ComplexArray]:
         """Return the response of the chain's force to each signal that it takes, (n,)."""
         still = sliding(loop, friction, SETTLED + SAMPLES + 1, self._speed)
-        assert self._simulation is not None  # noqa: S101 - a signal is measured
-        still = {role: still[role] for role in self._simulation.spec.system.inputs}
-        before = self._run(values, still)
+        simulation = self._simulation
+        assert simulation is not None  # noqa: S101 - a signal is measured
+        still = {role: still[role] for role in simulation.spec.system.inputs}
+        before = simulation.run(values, still)[self._force]
         found = {}
         for role in self._roles:
             moved = still[role].copy()
             moved[SETTLED] += CHANGES[role]
-            impulse = (self._run(values, {**still, role: moved}) - before) / CHANGES[role]
+            after = simulation.run(values, {**still, role: moved})[self._force]
+            impulse = (after - before) / CHANGES[role]
             # Row k + 1 shows the force from sample k on.
             found[role] = np.fft.rfft(impulse[SETTLED + 1 :], 2 * SAMPLES)[LOWEST:]
         return found
-
-    def _run(self, values: Mapping[str, float], inputs: Mapping[str, Array]) -> Array:
-        assert self._simulation is not None  # noqa: S101
-        return np.asarray(self._simulation.run(values, inputs)[self._force])
 
 
 def closed_loop(
