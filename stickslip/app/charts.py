@@ -80,11 +80,6 @@ def _points(x: np.ndarray, y: np.ndarray) -> list[list[float | None]]:
     ]
 
 
-def joined(generations: list[pd.DataFrame]) -> pd.DataFrame:
-    """Return the candidates of all generations so far."""
-    return pd.concat(generations, ignore_index=True)
-
-
 def history(table: pd.DataFrame) -> Options:
     """Draw the cost of each candidate of a search, and the lowest so far."""
     cost = table["cost"].to_numpy(float)

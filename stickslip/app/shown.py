@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 from weakref import WeakKeyDictionary
 
+import pandas as pd
 from nicegui import Client, run, ui
 
 from stickslip.app import charts, jobs
@@ -95,7 +96,7 @@ def show_job(job: Job, then: Callable[[], object]) -> None:
     drawn: dict[str, Any] = {"version": -1, "count": 0, "charts": {}, "names": None}
 
     def draw_search() -> None:
-        table = charts.joined(job.candidates)
+        table = pd.concat(job.candidates, ignore_index=True)
         options = {
             "Cost": charts.history(table),
             "Parallel coordinates": charts.parallel(table, job.names),

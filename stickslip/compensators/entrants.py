@@ -6,7 +6,7 @@ An entrant is data; see ``entrants.toml`` for what an entry says and for what en
 import re
 import zlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache, cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -278,11 +278,6 @@ class Entrant:
     parts: tuple[Part, ...]
 
     @property
-    def name(self) -> str:
-        """The names of its parts with a plus between them."""
-        return "+".join(part.name for part in self.parts)
-
-    @property
     def title(self) -> str:
         """The display names of its parts."""
         return " + ".join(part.title for part in self.parts)
@@ -487,7 +482,7 @@ def _part(name: str, table: Mapping[str, Any] | None) -> Part:
         model = models.load_model(name)
         return Part(name, model.title, name, ranges=_ranges(model))
     law = table.get("law")
-    part = Part(
+    return Part(
         name,
         table["title"],
         table.get("model", ""),
@@ -499,9 +494,6 @@ def _part(name: str, table: Mapping[str, Any] | None) -> Part:
         positions=table.get("positions", False),
         experiment=table.get("experiment", ""),
     )
-    if part.model == FEEDFORWARD and part.law is None:
-        return replace(part, law=models.load_model(FEEDFORWARD).law)
-    return part
 
 
 def _ranges(model: models.Model) -> dict[str, tuple[float, float, float]]:

@@ -44,13 +44,14 @@ _MJCF = """<?xml version="1.0"?>
   <actuator>
     <!-- its control is the motor's force in {force} -->
     <dcmotor name="motor" joint="axis" input="ff" motorconst="1 1" resistance="1"
-        damping="{b:.9g}"{lugre}/>{waves}
+        damping="{b:.9g}"{lugre}/>{constant}
   </actuator>
 </mujoco>
 """
-_WAVE = """
-    <dcmotor name="{name}" joint="axis" input="none" motorconst="0 0" resistance="1"
-        cogging="{size:.9g} {number:.9g} {phase:.9g}"/>"""
+# A constant force is a cosine of the position whose wave number is 0.
+_CONSTANT = """
+    <dcmotor name="constant" joint="axis" input="none" motorconst="0 0" resistance="1"
+        cogging="{:.9g} 0 1.57079633"/>"""
 _URDF = """<?xml version="1.0"?>
 <robot name={name}>
   <!-- {about} -->
@@ -108,17 +109,17 @@ def robot_model(drive: Drive, form: str) -> RobotModel:
     if form not in FORMS:
         raise UsageError(f"there is no format '{form}'{suggestion(form, FORMS)}")
     values = {name: one.start[0] for name, one in drive.law.parameters.items()} | {**drive.values}
-    m, b, rotary = values["m"], values["b"], drive.rotary
+    m, b, F_0, rotary = values["m"], values["b"], values.get("F_0"), drive.rotary
     parts: dict[str, object] = {"m": m, "mass": 1.0 if rotary else m, "b": max(b, 0.0)}
     parts |= {"name": quoteattr(drive.name), "axis": "0 0 1" if rotary else "1 0 0"}
     if form == "mjcf":
         template, (friction, lost) = _MJCF, _friction(drive, values)
-        parts |= friction | {"waves": _waves(values)}
+        parts |= friction | {"constant": _CONSTANT.format(-F_0) if F_0 else ""}
         parts |= {"joint": "hinge" if rotary else "slide", "force": drive.unit("F_c")}
     else:
         template, lost = _URDF, ["friction is F_c; the limits of the joint are placeholders"]
         lost += _left_out(drive, values, ("F_c",))
-        if F_0 := values.get("F_0"):
+        if F_0:
             lost.append(f"F_0 = {F_0:g} {drive.unit('F_0')} is left out")
         parts |= {"joint": "continuous" if rotary else "prismatic", "F_c": values["F_c"]}
     if held := [name for name in values if name.startswith(("g_", "mu_g", "cogging_"))]:
@@ -172,13 +173,3 @@ def _left_out(drive: Drive, values: dict[str, float], used: Collection[str]) -> 
         and not (level and name in ("F_s", "v_s", "delta"))
     ]
     return [f"of {drive.law.title} friction, {', '.join(names)} are left out"] if names else []
-
-
-def _waves(values: dict[str, float]) -> str:
-    """Return forces that are sines of the position, each a motor; F_0 is one of wave number 0."""
-    waves = {"constant": (-values.get("F_0", 0.0), 0.0, 0.5 * math.pi)}
-    return "".join(
-        _WAVE.format(name=name, size=size, number=number, phase=phase)
-        for name, (size, number, phase) in waves.items()
-        if size
-    )

@@ -34,7 +34,8 @@ def draw_bode(
     label : of what the measurements should show
     """
     f = np.concatenate([m.f for m, _ in measured.values()])
-    line = np.geomspace(0.8 * f.min(), min(1.25 * f.max(), _highest(designed)), 600)
+    highest = 0.5 / designed.dt if designed.dt else np.inf
+    line = np.geomspace(0.8 * f.min(), min(1.25 * f.max(), highest), 600)
     with house_style():
         figure = new_figure(PAGE, 125.0 if distortion else 95.0)
         axes = figure.subplots(
@@ -83,7 +84,3 @@ def _draw(
 def _response(system: control.StateSpace, f: NDArray[np.float64]) -> NDArray[np.complex128]:
     s = 2j * np.pi * f
     return np.atleast_1d(np.squeeze(system(np.exp(s * system.dt) if system.dt else s)))
-
-
-def _highest(system: control.StateSpace) -> float:
-    return 0.5 / system.dt if system.dt else float("inf")

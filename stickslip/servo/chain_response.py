@@ -7,6 +7,7 @@ computes, so this holds for a compensator of the user's as well.
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
@@ -76,7 +77,7 @@ def frequencies(loop: VelocityLoop) -> Array:
     return np.arange(LOWEST, SAMPLES + 1) / (2 * SAMPLES * loop.T_s)
 
 
-class ChainResponse:
+class ChainResponse(ExitStack):
     """Measures a chain of compensators again and again, with other parameters.
 
     They are in the order in which their forces are added. At the speed [m/s] they slide, so that
@@ -86,6 +87,7 @@ class ChainResponse:
     def __init__(
         self, fmus: Path, loop: VelocityLoop, chain: Sequence[Compensator], speed: float = SPEED
     ) -> None:
+        super().__init__()
         roles = {role for one in chain for role in one.ports.inputs.values()}
         self._roles = [role for role in CHANGES if role in roles]
         self._speed = speed
@@ -94,7 +96,8 @@ class ChainResponse:
         if self._roles:
             system, self._force = lone_chain(fmus, loop, chain)
             stop = (SETTLED + SAMPLES) * loop.T_s
-            self._simulation = system.prepare(step=loop.T_s, stop=stop, record=(self._force,))
+            prepared = system.prepare(step=loop.T_s, stop=stop, record=(self._force,))
+            self._simulation = self.enter_context(prepared)
 
     def of(
         self,
@@ -129,32 +132,19 @@ class ChainResponse:
     ) -> dict[str, ComplexArray]:
         """Return the response of the chain's force to each signal that it takes, (n,)."""
         still = sliding(loop, friction, SETTLED + SAMPLES + 1, self._speed)
-        assert self._simulation is not None  # noqa: S101 - a signal is measured
-        still = {role: still[role] for role in self._simulation.spec.system.inputs}
-        before = self._run(values, still)
+        simulation = self._simulation
+        assert simulation is not None  # noqa: S101 - a signal is measured
+        still = {role: still[role] for role in simulation.spec.system.inputs}
+        before = simulation.run(values, still)[self._force]
         found = {}
         for role in self._roles:
             moved = still[role].copy()
             moved[SETTLED] += CHANGES[role]
-            impulse = (self._run(values, {**still, role: moved}) - before) / CHANGES[role]
+            after = simulation.run(values, {**still, role: moved})[self._force]
+            impulse = (after - before) / CHANGES[role]
             # Row k + 1 shows the force from sample k on.
             found[role] = np.fft.rfft(impulse[SETTLED + 1 :], 2 * SAMPLES)[LOWEST:]
         return found
-
-    def _run(self, values: Mapping[str, float], inputs: Mapping[str, Array]) -> Array:
-        assert self._simulation is not None  # noqa: S101
-        return np.asarray(self._simulation.run(values, inputs)[self._force])
-
-    def close(self) -> None:
-        """Free the FMUs."""
-        if self._simulation is not None:
-            self._simulation.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def closed_loop(

@@ -88,8 +88,11 @@ class Lanes:
         self._whole: set[str] = set()  # those that are no real numbers
         starts: list[float] = []
         ranges, columns = [], {name: k for k, name in enumerate(system.inputs)}
-        found = {name: self._model(name, one.path) for name, one in system.fmus("lanes").items()}
-        firsts = {}
+        found, firsts = {}, {}
+        for name, one in system.fmus("lanes").items():
+            if (model := models.model_of(one.path)) is None:
+                raise NoLanes(f"{name} is not of our models")
+            found[name] = model
         for name in plan.order:
             firsts[name], own = len(starts), system.components[name].variables
             for v in found[name].variables:
@@ -119,24 +122,15 @@ class Lanes:
             checked = [self._places[one] for one in plan.layout.outputs[name]]
             tables = [np.array(one, dtype=np.int64) for one in (wires, checked)]
             self._tables += tables
-            component.model, component.first = self._functions(found[name]), first
+            law = found[name].law
+            library = _loaded(found[name].name, law.name if law else None, self._level)
+            component.model, component.first = library.lane_model(), first
             component.wires, component.checked = (one.ctypes.data for one in tables)
             component.n_wires, component.n_checked = len(wires), len(checked)
         self._names = plan.layout.recorded
         if not {*self._names} <= self._places.keys():
             raise NoLanes("it records its inputs")
         self._recorded = np.array([self._places[name] for name in self._names], dtype=np.int64)
-
-    @staticmethod
-    def _model(name: str, path: Path) -> models.Model:
-        model = models.model_of(path)
-        if model is None:
-            raise NoLanes(f"{name} is not of our models")
-        return model
-
-    def _functions(self, model: models.Model) -> int:
-        law = model.law.name if model.law else None
-        return int(_loaded(model.name, law, self._level).lane_model())
 
     def run(self, runs: Sequence[Run], each: Each | None = None) -> Results:
         """Return the results, None if left to the FMUs; ``each`` maps runs of like lengths."""

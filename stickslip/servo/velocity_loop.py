@@ -308,7 +308,7 @@ def plant_with_force(axis: Axis, T_s: float) -> control.StateSpace:
     """Return ``_plant`` with one output more: the motor force F [N], which is its first state."""
     sampled = axis.sampled(T_s)
     A = np.array(sampled.A)
-    A[-1, -1] = 0.0  # the displacement in one period, as in _plant
+    A[-1, -1] = 0.0  # the last state is reset at each sample: the displacement in one period
     C = np.eye(3)[[1, 2, 0]]
     return control.ss(A, sampled.B, C, 0, T_s, name="axis", inputs="u", outputs=["v", "d", "F"])
 
@@ -319,18 +319,10 @@ def _plant(axis: Axis, T_s: float) -> control.StateSpace:
 
     With d instead of the position no state drifts, and the realisation stays minimal.
     """
-    if axis.tau_i > 0.0:
-        A = np.array([[-1 / axis.tau_i, 0, 0], [1 / axis.m, -axis.b / axis.m, 0], [0, 1, 0]])
-        B = np.array([[1 / axis.tau_i], [0], [0]])
-    else:
-        A = np.array([[-axis.b / axis.m, 0], [1, 0]])
-        B = np.array([[1 / axis.m], [0]])
-    sampled = control.sample_system(control.ss(A, B, np.eye(len(A)), 0), T_s, method="zoh")
-    A, B = np.array(sampled.A), np.array(sampled.B)
-    A[-1, -1] = 0.0  # the last state is reset at each sample: the displacement in one period
-    return control.ss(
-        A, B, np.eye(len(A))[-2:], 0, T_s, name="axis", inputs="u", outputs=["v", "d"]
-    )
+    full = plant_with_force(axis, T_s)
+    first = 0 if axis.tau_i > 0.0 else 1  # without a lag no state holds the force
+    A, B, C = full.A[first:, first:], full.B[first:], full.C[:2, first:]
+    return control.ss(A, B, C, 0, T_s, name="axis", inputs="u", outputs=["v", "d"])
 
 
 def _estimator(T_s: float, tau_f: float) -> control.StateSpace:

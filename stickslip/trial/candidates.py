@@ -287,18 +287,16 @@ class _Candidates(ExitStack):
         return found
 
     def _later(self, benefit: Benefit) -> Iterator[Benefit]:
-        """Yield the same with an observer that acts from larger displacements on."""
-        *before, last = benefit.variant.chain
-        for onset in self._larger(last.values.get("onset", 0.0)):
-            changed = replace(last, values={**last.values, "onset": onset})
-            yield replace(benefit, variant=replace(benefit.variant, chain=(*before, changed)))
+        """Yield the same with an observer that acts from larger displacements [m] on.
 
-    def _larger(self, onset: float) -> Iterator[float]:
-        """Yield larger onsets [m], up to one with which all moves of the sweep are left alone."""
-        longest = harm.ONSET * self.bench.longest_move
+        With the last one all moves of the sweep are left alone.
+        """
+        *before, last = benefit.variant.chain
+        onset, longest = last.values.get("onset", 0.0), harm.ONSET * self.bench.longest_move
         while 0.0 < onset < longest:
             onset = min(LATER * onset, longest)
-            yield onset
+            changed = replace(last, values={**last.values, "onset": onset})
+            yield replace(benefit, variant=replace(benefit.variant, chain=(*before, changed)))
 
     def _weaker(self, benefit: Benefit) -> Iterator[Benefit]:
         """Yield the same with smaller shares of the feedforward's force."""

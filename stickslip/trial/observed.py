@@ -44,11 +44,17 @@ def strongest(
     """
     tried: list[tuple[MotionErrors, ObserverDesign, Benefit]] = []
     for designed in designs:
-        variant = _variant(feedforward, designed.observer, together=together)
+        variant = Variant(OBSERVER, (designed.observer,))
+        if together:
+            variant = Variant(BOTH, (*feedforward.variant.chain, designed.observer))
         shared = variant.share(bench.law, feedforward.share)
         if tried and bench.is_worse(shared, tried[-1][0]):
             continue
-        benefit = _tried(bench, feedforward, designed.observer, together=together)
+        if variant.has_feedforward and feedforward.acceptable:
+            (benefit,) = bench.benefits([shared], shares=(1.0,))
+            benefit = replace(benefit, variant=variant, share=feedforward.share)
+        else:
+            (benefit,) = bench.benefits([variant])
         worst = max(benefit.motions, key=lambda one: one.worst.ratio)
         tried.append((worst, designed, benefit))
         if benefit.acceptable:
@@ -57,20 +63,3 @@ def strongest(
         raise ControlError("no observer")
     _, best, benefit = min(tried, key=lambda one: one[0].worst.ratio)
     return best, benefit
-
-
-def _variant(feedforward: Benefit, observer: Compensator, *, together: bool) -> Variant:
-    """Return an observer alone, or together with the feedforward at its whole force."""
-    if together:
-        return Variant(BOTH, (*feedforward.variant.chain, observer))
-    return Variant(OBSERVER, (observer,))
-
-
-def _tried(bench: Bench, feedforward: Benefit, observer: Compensator, *, together: bool) -> Benefit:
-    """Try an observer: with a feedforward at its share where that is acceptable, else at any."""
-    variant = _variant(feedforward, observer, together=together)
-    if not (variant.has_feedforward and feedforward.acceptable):
-        return bench.benefits([variant])[0]
-    shared = variant.share(bench.law, feedforward.share)
-    (benefit,) = bench.benefits([shared], shares=(1.0,))
-    return replace(benefit, variant=variant, share=feedforward.share)

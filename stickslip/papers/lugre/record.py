@@ -100,7 +100,13 @@ def write_log(recording: Recording, options: Options, folder: Path) -> None:
 
 
 def _write_log(recording: Recording, folder: Path) -> None:
-    write_tables({"recording": _table(recording)}, folder)
+    columns = {
+        "time [s]": recording.t,
+        "position [m]": recording.position,
+        "force [N]": recording.force,
+        "velocity_command [m/s]": recording.velocity_command,
+    }
+    write_tables({"recording": pd.DataFrame(columns)}, folder)
     atomic_write(folder / "recording.toml", _description(recording))
 
 
@@ -127,16 +133,6 @@ def _sections(reproduction: RecordReproduction) -> list[Section]:
     validation = reproduction.validation
     loop = section("The loop", "record", reproduction)
     return [validation_section(validation, validation.table()), loop]
-
-
-def _table(recording: Recording) -> pd.DataFrame:
-    columns = {
-        "time [s]": recording.t,
-        "position [m]": recording.position,
-        "force [N]": recording.force,
-        "velocity_command [m/s]": recording.velocity_command,
-    }
-    return pd.DataFrame(columns)
 
 
 def _description(recording: Recording) -> str:

@@ -52,10 +52,6 @@ class Options:
         """The seeds."""
         return range(self.seed, self.seed + self.seeds)
 
-    def rig(self, fmus: Path) -> FmuRig:
-        """Return the drive whose FMUs are in a folder, on its test bench."""
-        return FmuRig(fmus, Datasheet(), LOOP.T_s, self.law)
-
 
 @dataclass(frozen=True)
 class BaseResult:
@@ -96,10 +92,10 @@ def drive_truth(changes: Changes, law: str = "lugre") -> dict[str, float]:
 
 
 def build_rig(options: Options, fmus: Path, progress: Progress) -> FmuRig:
-    """Build the drive and the FMUs of the loop into a folder, which must stay."""
+    """Build the FMUs of the loop into a folder, which must stay; return its drive as a rig."""
     progress.stage("building the FMUs")
     build_fmus(fmus, options.truth, options.law)
-    return options.rig(fmus)
+    return FmuRig(fmus, Datasheet(), LOOP.T_s, options.law)
 
 
 def validated(options: Options, rig: FmuRig, learned: Learned, progress: Progress) -> BaseResult:

@@ -2,13 +2,13 @@
 
 import shutil
 from collections.abc import Mapping
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
 
 from stickslip import cosim, models
 from stickslip.compensators.entrants import Entrant, TunedEntrant
-from stickslip.identification.criteria.runs import Closing
 from stickslip.servo.measurement import Array
 from stickslip.servo.systems import build_fmus, build_loop, nominal_parameters
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -30,7 +30,7 @@ def build_entrants(folder: Path, entrants: list[Entrant]) -> None:
             models.build_fmu(part.model, folder, law=law, called=file)
 
 
-class Course(Closing):
+class Course(ExitStack):
     """A loop that is prepared once and run with many values of its entrant's parameters."""
 
     def __init__(
@@ -41,11 +41,11 @@ class Course(Closing):
         samples: int,  # of the longest command
         record: cosim.Record | tuple[str, ...],  # signals
     ) -> None:
+        super().__init__()
         self.loop, self._n = loop, samples
-        system = build_loop(fmus, loop, entrant.chain)
-        self._simulation = system.prepare(
-            step=loop.T_s, stop=(samples - 1) * loop.T_s, record=record
-        )
+        system, stop = build_loop(fmus, loop, entrant.chain), (samples - 1) * loop.T_s
+        prepared = system.prepare(step=loop.T_s, stop=stop, record=record)
+        self._simulation = self.enter_context(prepared)
 
     def run(
         self, tuned: TunedEntrant, v_cmd: Array, drive: Mapping[str, float] | None = None
@@ -63,7 +63,3 @@ class Course(Closing):
         longer = np.pad(v_cmd, (0, self._n - len(v_cmd)), mode="edge")
         until = (len(v_cmd) - 1) * self.loop.T_s
         return self._simulation.run(values, tuned.loop.commands(longer), until=until)
-
-    def close(self) -> None:
-        """Free the FMUs."""
-        self._simulation.close()

@@ -102,38 +102,15 @@ def test_it_rejects_friction_best_at_the_same_peak_sensitivity(axis, specificati
         assert sensitivity(other) > limit
 
 
-STEP, HALF, STOP = 5e-4, 0.1, 0.25
-
-
-@pytest.fixture
-def system(fmus, loop):
-    return paper_loop(fmus, loop, {})
-
-
-@pytest.mark.parametrize("record", [{"every": 7}, {"keep": "last"}])
-def test_a_record_continues_where_it_was_saved(system, tmp_path, record):
-    names = ["drive.x_enc", "controller.u"]
-    spec = {"step": STEP, "stop": STOP, "record": cosim.Record(names, **record)}
-    inputs = {"v_cmd": lambda t: 0.02 * np.sin(40 * t)}
-    with system.prepare(**spec) as simulation:
-        whole = simulation.run(inputs=inputs)
-        simulation.run(inputs=inputs, until=HALF)
-        path = simulation.save(tmp_path / "half.state")
-    with system.prepare(**spec) as another:
-        rest = another.resume(path, inputs)
-    after = whole.time >= HALF
-    np.testing.assert_array_equal(rest.time, whole.time[after])
-    np.testing.assert_array_equal(rest.values, whole.values[after])
-
-
-def test_no_state_and_no_step_are_refused(system, tmp_path):
-    with system.prepare(step=STEP, stop=STOP) as simulation:
+def test_no_state_and_no_step_are_refused(fmus, loop, tmp_path):
+    system = paper_loop(fmus, loop, {})
+    with system.prepare(step=loop.T_s, stop=0.1) as simulation:
         with pytest.raises(cosim.SimulationError, match="no state to save"):
             simulation.save(tmp_path / "a.state")
-        simulation.run(until=HALF)
+        simulation.run(until=0.05)
         path = simulation.save(tmp_path / "a.state")
     with (
-        system.prepare(step=STEP, stop=HALF) as shorter,
+        system.prepare(step=loop.T_s, stop=0.05) as shorter,
         pytest.raises(cosim.ExperimentError, match="no step left"),
     ):
         shorter.resume(path)

@@ -42,7 +42,6 @@ from stickslip.studies.learn.page.signals import (
     Parts,
     measures_friction,
     parts,
-    residual,
     simulated_position,
     sliding,
     steady_friction,
@@ -235,12 +234,18 @@ def _loops(axes: Axes, estimation: Estimation, signals: Parts) -> None:
 def draw_residual(estimation: Estimation) -> Figure:
     """Draw the residual over time, position and velocity, and its spectrum."""
     recording, simulated = estimation.recording, simulated_position(estimation)
-    motion, place = recording.motion, WORDS[recording.motion][0].capitalize()
-    found = residual(estimation)
-    t, x, v, left = found.t, found.position, found.velocity, found.values
-    scale, what = found.scale, found.what
-    title = f"{what}, recorded less predicted"
-    if simulated is not None:
+    motion = recording.motion
+    place, what = (word.capitalize() for word in WORDS[motion])
+    if simulated is None:
+        of = parts(estimation)
+        t, x, v, left = of.t, of.position, of.velocity, of.difference
+        scale = force_scale(motion, left)
+        what = "Friction" if measures_friction(estimation) else what
+        title = f"{what}, recorded less predicted"
+    else:
+        t, x, v = recording.t, position_of(recording), estimation.figures.velocity_recorded
+        left = x - simulated
+        scale, what = position_scale(motion, left), place
         title = f"{what} in closed loop, recorded less simulated"
     figure = style.new_figure(style.PAGE, 165.0)
     grid = figure.add_gridspec(3, 2)

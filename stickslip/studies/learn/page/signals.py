@@ -1,4 +1,4 @@
-"""The signals of an estimation that the figures draw, and the units in which they read best."""
+"""The signals of an estimation that the figures draw."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from stickslip.identification.criteria.known_loop import OutputError
 from stickslip.identification.criteria.motion import position_of
 from stickslip.identification.estimation import Estimation
-from stickslip.presentation.scale import WORDS, Scale, force_scale, position_scale
 from stickslip.servo.measurement import Array, derivative, level
 
 FULLY_BENT = 5.0  # Deflections F_s / sigma_0 after which bristles follow the Stribeck curve, nearly
@@ -42,38 +41,10 @@ def parts(estimation: Estimation) -> Parts:
     return Parts(*(np.asarray(signal[figures.used]) for signal in signals))
 
 
-@dataclass(frozen=True)
-class Residual:
-    """What the learned drive leaves of a recording."""
-
-    # (n,) [s], [m], [m/s]
-    t: Array
-    position: Array
-    velocity: Array
-    values: Array  # (n,) [N], or [m] where the loop was simulated
-    scale: Scale  # in which the values read best
-    what: str  # ``Force``, ``Friction``, ``Torque``, ``Position`` or ``Angle``
-
-
 def simulated_position(estimation: Estimation) -> Array | None:
     """Return the position (n,) in the simulated loop; None where it was not the criterion."""
     loop = estimation.criterion == OutputError.name
     return estimation.figures.simulated if loop else None
-
-
-def residual(estimation: Estimation) -> Residual:
-    """Return recorded less simulated position, or, of the inverse model, less predicted force."""
-    recording, simulated = estimation.recording, simulated_position(estimation)
-    place, push = (word.capitalize() for word in WORDS[recording.motion])
-    if simulated is None:
-        of = parts(estimation)
-        scale = force_scale(recording.motion, of.difference)
-        what = "Friction" if measures_friction(estimation) else push
-        return Residual(of.t, of.position, of.velocity, of.difference, scale=scale, what=what)
-    position, v = position_of(recording), estimation.figures.velocity_recorded
-    left = position - simulated
-    scale = position_scale(recording.motion, left)
-    return Residual(recording.t, position, v, left, scale=scale, what=place)
 
 
 def sliding(estimation: Estimation, signals: Parts) -> NDArray[np.bool_]:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from stickslip.evaluation.tracking import FEEDFORWARD, NONE
+from stickslip.evaluation.tracking import NONE
 from stickslip.learned.file import LearnedFile
 from stickslip.presentation import style
 from stickslip.presentation.page import MADE_WITH, Section, picture_files, write_page
@@ -14,6 +14,7 @@ from stickslip.presentation.quantity import number
 from stickslip.presentation.scale import WORDS, thinned, velocity_scale
 from stickslip.storage import staged
 from stickslip.storage.writing import write_tables
+from stickslip.studies.learn.page.tracking import LOOKS
 from stickslip.studies.learn.tables import tracking_scales
 from stickslip.studies.validate import tables
 from stickslip.studies.validate.compared_logs import LogComparison, sentences
@@ -21,7 +22,6 @@ from stickslip.studies.validate.compared_logs import LogComparison, sentences
 FIGURE = "comparison"
 FILES = ("tracking.csv", "report.html", *picture_files([FIGURE]))
 """What ``write_comparison`` writes."""
-LOOKS = {NONE: style.WITHOUT, FEEDFORWARD: style.WITH}
 
 
 def write_comparison(

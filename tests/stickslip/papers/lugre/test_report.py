@@ -87,10 +87,6 @@ def parted(page):
     return re.sub(r"\s", " ", re.sub(r"\s*(<[^>]*>\s*)+", "|", page))
 
 
-def rendered(reproduction):
-    return parted(render_page(reproduction))
-
-
 @pytest.fixture(scope="module")
 def whole(made):
     return made()
@@ -206,7 +202,8 @@ def test_page_states_where_compensation_does_not_help(whole, text):
 
 def test_page_tells_the_options_and_does_not_praise_what_is_not_better(made, whole):
     own = made(validation=leaving(whole.validation, 0.5))
-    text = rendered(replace(own, options=replace(own.options, truth={"F_c": 7.25, "ripple": 1.0})))
+    other = replace(own, options=replace(own.options, truth={"F_c": 7.25, "ripple": 1.0}))
+    text = parted(render_page(other))
     assert "2 seeds from 17" in text
     assert "preset “default”" in text
     assert "Table 2, but F_c = 7.25, ripple = 1.0" in text

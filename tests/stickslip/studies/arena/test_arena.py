@@ -81,10 +81,6 @@ def error(built, loop, name, values, command="T"):
     return np.median(next(runs for key, runs in found.items() if key[1] == "error"))
 
 
-def seconds_of(commands, loop):
-    return sum(len(command.sample(loop.T_s)) for command in commands) * loop.T_s
-
-
 def test_every_law_and_every_compensator_competes_without_being_named():
     parts = registry.parts()
     assert {*models.law_names()} <= {*parts}
@@ -148,7 +144,7 @@ def test_the_fmus_of_every_entrant_take_its_start_values(tmp_path, loop):
         genes = {gene.name: gene.start for gene in problem.genes} if problem else {}
         tuned = one.tuned(genes, loop, coarse, Datasheet())
         with Course(tmp_path / "lugre", one.base(loop), one, 10, ("drive.x",)) as course:
-            assert np.isfinite(course.run(tuned, np.full(10, 0.01))["drive.x"]).all(), one.name
+            assert np.isfinite(course.run(tuned, np.full(10, 0.01))["drive.x"]).all(), one.title
 
 
 def test_composite_feedback_is_as_robust_as_its_worst_linear_loop(built, loop):
@@ -186,7 +182,8 @@ def test_changed_drives_have_other_errors(built, loop):
 
 def test_tuning_comes_near_the_exact_feedforward(built, loop):
     """Within seconds of motion that allow 12 evaluations."""
-    one, sheet, duration = entrant("static"), Datasheet(), seconds_of(TRAINING, loop)
+    one, sheet = entrant("static"), Datasheet()
+    duration = sum(len(command.sample(loop.T_s)) for command in TRAINING) * loop.T_s
     found = tune(built, loop, one, Budget(100, 12 * duration), 0, sheet)
     assert 0 < found.evaluations <= 12
     assert found.seconds == pytest.approx(found.evaluations * duration)

@@ -24,7 +24,8 @@ from stickslip.presentation.page import Picture
 from stickslip.presentation.quantity import interval, number
 from stickslip.presentation.scale import thinned
 from stickslip.presentation.style import house_style
-from stickslip.studies.learn.page import FIGURES, sections, use, write_estimation_report
+from stickslip.studies.learn.page import FIGURES, use, write_estimation_report
+from stickslip.studies.learn.page.figures import draw_residual
 from stickslip.studies.learn.page.tracking import tracking_section, window
 
 pytestmark = pytest.mark.slow
@@ -121,11 +122,6 @@ def written(request, tmp_path_factory):
     return request.param, estimation, folder
 
 
-def drawing(name, estimation):
-    """Return what draws a figure of the page."""
-    return next(one.figures[name] for one in sections(estimation, (), ()) if name in one.figures)
-
-
 def words(folder):
     """The page's text, without style, scripts and markup."""
     page = (folder / "report.html").read_text(encoding="utf-8").split("</style>")[1]
@@ -211,7 +207,7 @@ def test_a_disturbance_of_one_frequency_is_a_peak_of_the_spectrum():
     disturbed = figures.simulated + 1e-6 * np.sin(2 * np.pi * 50.0 * t)
     estimation = replace(estimation, figures=replace(figures, simulated=disturbed))
     with house_style():
-        figure = drawing("residual", estimation)()
+        figure = draw_residual(estimation)
     (line,) = figure.axes[-1].get_lines()
     f, density = line.get_data()
     assert f[np.argmax(density)] == pytest.approx(50.0, abs=f[1] - f[0])
