@@ -27,12 +27,7 @@ from stickslip.cosim import SignalError, Trapezoid
 from stickslip.errors import UsageError
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
-from stickslip.identification.criteria.motion import position_of
-from stickslip.identification.sliding.position_force import (
-    block_parameters,
-    friction_factor,
-    varying,
-)
+from stickslip.identification.sliding.position_force import block_parameters, with_known_force
 from stickslip.learned.writing import (
     AXIS_KEYS,
     DATASHEET,
@@ -198,11 +193,8 @@ class LearnedFile:
         if (held := self.position_force) is None:
             return recording
         entry = self.document.get("delay", {"value": 0.0})
-        later = recording.t + self._values("delay", {"delay": entry})["delay"]
-        x = np.interp(later, recording.t, position_of(recording))
-        factor = friction_factor(held.values, x)
-        known = varying(held.values, x)
-        return dataclasses.replace(recording, known_force=known, friction_factor=factor)
+        delay = self._values("delay", {"delay": entry})["delay"]
+        return with_known_force(recording, held.values, delay)
 
     @property
     def observer_refusal(self) -> str:

@@ -28,6 +28,7 @@ from stickslip.identification.sliding.rows import (
     GUARDS,
     KNOTS,
     SLOWEST,
+    Design,
     Rows,
     Span,
     first_samples,
@@ -240,22 +241,16 @@ class _Rows(Rows):
         if design is None:
             return None
         found = design.fitted()
-        typical = float(np.median(design.speed))
-        return (
-            *_quantities(found, design.size, design.knots, speeds, typical=typical),
-            *sizes(found, design.groups, VARYING),
-        )
+        return *_quantities(found, design, speeds), *sizes(found, design.groups, VARYING)
 
 
-def _quantities(
-    found: Regression, size: float, knots: Array, speeds: Array, typical: float
-) -> tuple[Array, Array]:
+def _quantities(found: Regression, design: Design, speeds: Array) -> tuple[Array, Array]:
     """Return m, b, F_0 and friction at speeds (k,), together (3 + k,), and their covariance."""
     weights = np.zeros((3 + len(speeds), len(found.coefficients)))
-    for row, name in enumerate(("m", "b", "F_0")):
+    for row, name in enumerate(("m", "b")):
         weights[row, FIXED.index(name)] = 1.0
-    weights[2, found.places["asymmetry"]] = size * hats(np.log([typical]), knots)[0]
+    weights[2] = design.usual(found, "F_0", "asymmetry")
     weights[3:, FIXED.index("F_c")] = 1.0
     weights[3:, FIXED.index("b")] = speeds
-    weights[3:, found.places["curve"]] = size * hats(np.log(speeds), knots)
+    weights[3:, found.places["curve"]] = design.size * hats(np.log(speeds), design.knots)
     return weights @ found.coefficients, weights @ found.covariance @ weights.T

@@ -33,7 +33,6 @@ from stickslip.identification.sliding.rows import (
     Rows,
     Span,
     first_samples,
-    hats,
     shifted,
     sizes,
     spans_of,
@@ -71,14 +70,6 @@ class PositionForce:
     def values(self) -> dict[str, float]:
         """Their values by name."""
         return {name: one.value for name, one in self.terms.items()}
-
-    def __call__(self, x: Array) -> Array | None:
-        """Return what varies along positions (n,), without F_0 [N]; None where nothing does."""
-        return varying(self.values, x)
-
-    def factor(self, x: Array) -> Array | None:
-        """Return by what the weight multiplies friction at positions (n,); None for 1."""
-        return friction_factor(self.values, x)
 
 
 def block_parameters(values: Mapping[str, float]) -> dict[str, float]:
@@ -125,11 +116,17 @@ def _columns(x: Array, orders: Sequence[int], pitch: float, *, gravity: bool) ->
 
 def with_position_force(recording: Recording, found: PositionForce | None = None) -> Recording:
     """Return a recording whose force of position is known: one found before, or what it shows."""
-    found, t, x = found or find_position_force(recording), recording.t, position_of(recording)
+    found = found or find_position_force(recording)
     if found is None:
         return replace(recording, known_force=None, friction_factor=None)
-    x = np.interp(t + found.delay, t, x)
-    return replace(recording, known_force=found(x), friction_factor=found.factor(x))
+    return with_known_force(recording, found.values, found.delay)
+
+
+def with_known_force(recording: Recording, values: Mapping[str, float], delay: float) -> Recording:
+    """Return a recording whose force of position has these values, and this delay [s]."""
+    x = np.interp(recording.t + delay, recording.t, position_of(recording))
+    factor = friction_factor(values, x)
+    return replace(recording, known_force=varying(values, x), friction_factor=factor)
 
 
 def find_position_force(recording: Recording) -> PositionForce | None:
@@ -371,7 +368,7 @@ class _Log:
             if name != "ripple"
         )
         m, b = (c[FIXED.index(name)] for name in ("m", "b"))
-        F_0 = float(_offset(design) @ c)
+        F_0 = float(design.usual(found, "F_0", "asymmetry") @ c)
         ahead = rows.ahead[design.used]
         moving = m * rows.a[design.used] + b * rows.v[design.used]
         friction = float(np.mean(ahead * (rigid + other - moving - F_0)))
@@ -437,13 +434,14 @@ class _Log:
                 return None
             found = self._fitted(design)
             own = slice(len(FIXED), design.fixed.shape[1])
-            offset = _offset(design)
+            offset = design.usual(found, "F_0", "asymmetry")
             c, covariance = found.coefficients, found.covariance
             row, variance = [offset @ c, *c[own]], [offset @ covariance @ offset]
             variance += np.diag(covariance)[own].tolist()
             if terms.loads:
                 mean = float(terms.weight(rows.x)[design.used].mean())
-                level = _usual(design, "F_c", "curve")  # Coulomb friction without a mean weight
+                # Coulomb friction without a mean weight
+                level = design.usual(found, "F_c", "curve")
                 level[len(FIXED) + 2] = -mean
                 row.insert(4, level @ c)
                 variance.insert(4, level @ covariance @ level)
@@ -493,27 +491,6 @@ def _is_near(one: _Terms, other: _Terms) -> bool:
     """Whether the weights of arms are alike, as friction over them needs it."""
     before, now = (np.array(terms.coefficients[:2]) for terms in (one, other))
     return bool(np.linalg.norm(now - before) < NEAR * np.linalg.norm(now))
-
-
-def _offset(design: Design) -> Array:
-    """Return the weights (k,) of the coefficients of a regression that give F_0.
-
-    It has half the difference of friction forward and backward at the usual speed, which an
-    asymmetry over speed is a part of.
-    """
-    return _usual(design, "F_0", "asymmetry")
-
-
-def _usual(design: Design, name: str, group: str) -> Array:
-    """Return the weights (k,) that give a coefficient with a group over speed, at the usual one."""
-    count = [one.shape[1] for one in design.groups.values()]
-    weights = np.zeros(design.fixed.shape[1] + sum(count))
-    weights[FIXED.index(name)] = 1.0
-    place = list(design.groups).index(group)
-    begin = design.fixed.shape[1] + sum(count[:place])
-    typical = np.log([np.median(design.speed)])
-    weights[begin : begin + count[place]] = design.size * hats(typical, design.knots)[0]
-    return weights
 
 
 def _size(design: Design, found: Regression, part: slice) -> tuple[float, float]:

@@ -61,6 +61,18 @@ class Design:
         """Return the regression, see ``regress``."""
         return regress(self.force, self.fixed, self.groups, self.classes, least=least)
 
+    def usual(self, found: Regression, name: str, group: str) -> Array:
+        """Return the weights (k,) of a coefficient with a group over speed, at the usual speed.
+
+        F_0 has half the difference of friction forward and backward at the usual speed, which an
+        asymmetry over speed is a part of.
+        """
+        weights = np.zeros_like(found.coefficients)
+        weights[FIXED.index(name)] = 1.0
+        typical = np.log([np.median(self.speed)])
+        weights[found.places[group]] = self.size * hats(typical, self.knots)[0]
+        return weights
+
 
 class Span(NamedTuple):
     """Where one log is in a recording, and the mass that it moves beside that of the drive [kg]."""
