@@ -79,12 +79,12 @@ Signals = cosim.Result | Mapping[str, Array]
 
 
 class Point(NamedTuple):
-    """Arguments of ``KnownLoop.run``."""
+    """What a run is made with."""
 
-    values: Values
-    further: Mapping[str, float] = NOTHING
-    feedforward: Array | float = 0.0
-    offset: float = 0.0
+    values: Values  # in the drive
+    further: Mapping[str, float] = NOTHING  # of this run only, as ``candidate.noise_x``
+    feedforward: Array | float = 0.0  # (n,) force of a compensator from each sample on [N]
+    offset: float = 0.0  # by which the drive, and so the encoder's steps, are displaced [m]
 
 
 class KnownLoop(Closing):
@@ -115,16 +115,15 @@ class KnownLoop(Closing):
     def run(
         self,
         values: Values,
-        further: Mapping[str, float] = NOTHING,  # of this run only, as ``candidate.noise_x``
-        feedforward: Array | float = 0.0,  # (n,) force of a compensator from each sample on [N]
-        offset: float = 0.0,  # by which the drive, and so the encoder's steps, are displaced [m]
+        further: Mapping[str, float] = NOTHING,
+        feedforward: Array | float = 0.0,
     ) -> Signals:
-        """Run the experiment with these values in the drive; return signals (n,) by name."""
-        return self.results([Point(values, further, feedforward, offset)])[0]
+        """Run the experiment of a ``Point``; return signals (n,) by name."""
+        return self.results([Point(values, further, feedforward)])[0]
 
     def results(self, points: Sequence[Point]) -> list[Signals]:
         """Return what ``run`` does of each point; they are run side by side."""
-        found = [one.runs.results([one.arguments(*at) for at in points]) for one in self._logs]
+        found = [one.runs.results([one.arguments(at) for at in points]) for one in self._logs]
         if len(self._logs) == 1:
             return list(found[0])
         return [self._joined(runs) for runs in zip(*found, strict=True)]
@@ -208,15 +207,10 @@ class _LogLoop(Closing):
         self._first = None if force is None else float(measured_force(recording)[0])
         self._states = cosim.Fmu(fmus / "drive.fmu").variables.keys()
 
-    def arguments(
-        self,
-        values: Values,
-        further: Mapping[str, float],
-        feedforward: Array | float,
-        offset: float,
-    ) -> Run:
+    def arguments(self, point: Point) -> Run:
         """Return the run of a point."""
-        parameters = {**candidate(values), **further}
+        values, offset = point.values, point.offset
+        parameters = {**candidate(values), **point.further}
         parameters["candidate.m"] += self._load
         if offset:
             parameters["candidate.x"] = self._start + offset
@@ -225,7 +219,7 @@ class _LogLoop(Closing):
             for name, state in STATES.items():
                 if name in self._states:
                     parameters[f"candidate.{name}"] = state(held, values)
-        F_ff = self._inputs["F_ff"] + self._added - values["F_0"] + feedforward
+        F_ff = self._inputs["F_ff"] + self._added - values["F_0"] + point.feedforward
         return Run(parameters, {**self._inputs, "F_ff": F_ff})
 
 
