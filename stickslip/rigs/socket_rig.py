@@ -232,11 +232,7 @@ class SocketRig(Rig):
                 raise OSError("the connection was closed")
             for reply in self._lines.messages(received):
                 if isinstance(reply.get("seq"), int) and first <= reply["seq"] <= self._seq:
-                    found = reply
-                    break
-            else:
-                continue
-            return found
+                    return reply
         return None
 
     def _disconnect(self) -> None:

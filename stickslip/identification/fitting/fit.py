@@ -199,5 +199,5 @@ def covariance(jacobian: Array, residual: Array, space: ParameterSpace) -> Array
 
 
 def _prior_information(space: ParameterSpace) -> Array:
-    known = np.isfinite(space.prior_deviation)
-    return np.where(known, 1.0 / space.prior_deviation, 0.0) ** 2
+    """Return the inverse variances (k,) of the priors, 0 where there is none."""
+    return np.asarray((1.0 / space.prior_deviation) ** 2)
