@@ -11,7 +11,6 @@ from campaigns.sound_drives import simulator
 from stickslip.logs import Recording, aligned, check_recording, samples_late
 from stickslip.logs.force_path import force_path
 from stickslip.logs.motion import force_delay, signal_delay
-from stickslip.planning import LINEAR, Limits, plan
 from stickslip.servo.measurement import smoothed
 from tests.kept import further
 from tests.stickslip.logs.rigid_drive import rigid_drive
@@ -109,28 +108,19 @@ def test_of_a_rigid_drive_with_a_noisy_force(delay):
     assert abs(found.value / drive.T_s - delay) < 5 * found.standard_error / drive.T_s
 
 
-@pytest.fixture(scope="module")
-def log(drive_log) -> Recording:
-    """Half a standard plan, run on the paper's drive."""
-    return drive_log(plan(Limits(duration=10.0))["velocity_command"].to_numpy())
+def test_between_channels():
+    v = smoothed(np.gradient(DRIVE.position, DRIVE.T_s), DRIVE.T_s, 50.0)
+    late = np.interp(DRIVE.t - 2.3 * DRIVE.T_s, DRIVE.t, 1.7 * v + 0.01)
+    found = signal_delay(DRIVE.t, v, late)
+    assert found.value / DRIVE.T_s == pytest.approx(2.3, abs=0.1)
 
 
-def test_between_channels(log):
-    v = smoothed(np.gradient(log.position, log.T_s), log.T_s, 50.0)
-    late = np.interp(log.t - 2.3 * log.T_s, log.t, 1.7 * v + 0.01)
-    found = signal_delay(log.t, v, late)
-    assert found.value / log.T_s == pytest.approx(2.3, abs=0.1)
-    assert LINEAR.speed > np.abs(v).max() * 0.5
-
-
-def test_what_shows_no_delay(log):
-    assert force_delay(replace(log, force=None)) is None
-    steady = Recording(log.t, 0.01 * log.t, 5.0 + 0.0 * log.t)
-    found = force_delay(steady)
-    assert found is None or not found.known(log.T_s)
-    noise = np.random.default_rng(0).standard_normal(len(log.t))
-    found = force_delay(replace(log, force=noise))
-    assert found is None or not found.known(log.T_s)
+def test_what_shows_no_delay():
+    assert force_delay(replace(DRIVE, force=None)) is None
+    steady = Recording(DRIVE.t, 0.01 * DRIVE.t, 5.0 + 0.0 * DRIVE.t)
+    for log in (steady, replace(DRIVE, force=NOISE)):
+        found = force_delay(log)
+        assert found is None or not found.known(log.T_s)
 
 
 @pytest.mark.parametrize(("mass", "viscous"), [(3.2, 44.0), *further((3.0, 60.0), (1.0, 20.0))])

@@ -16,16 +16,14 @@ TURN = 2 * np.pi
 
 
 @pytest.fixture
-def read(tmp_path):
+def read(read_log):
     """Return a function that reads a log of the drive with other columns: recording, findings."""
 
     def run(head="t [s],x [m],F [N]", **columns):
-        path = tmp_path / "log.csv"
         columns = {"t": DRIVE.t, "x": DRIVE.position, "F": DRIVE.force} | columns
         table = pd.DataFrame(columns)
         table.columns = head.split(",")
-        table.to_csv(path, index=False)
-        reading = read_recording(path, Description(), strict=False)
+        reading = read_log(table.to_csv(index=False), strict=False)
         return reading.recording, "\n".join(map(str, reading.findings))
 
     return run

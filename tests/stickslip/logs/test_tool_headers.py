@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from stickslip.errors import RecordingError
-from stickslip.logs import Description, read_recording
+from stickslip.logs import Description
 from stickslip.logs.channels import unit_of
 from stickslip.logs.roles import assign_roles
 from stickslip.logs.table import LogTable, with_joined_times
@@ -62,10 +62,8 @@ def test_what_is_ambiguous_ends_in_one_error(header):
     assert AMBIGUOUS[header] in str(caught.value)
 
 
-def test_a_set_point_alone_is_reported_and_not_taken_for_the_measured_force(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_bytes(written("t [s];x [rad];input_torque [Nm]"))
-    reading = read_recording(path)
+def test_a_set_point_alone_is_reported_and_not_taken_for_the_measured_force(read_log):
+    reading = read_log(written("t [s];x [rad];input_torque [Nm]"))
     assert reading.recording.force is None
     assert any("'input_torque' is a set point" in str(finding) for finding in reading.findings)
 
@@ -96,11 +94,9 @@ def test_seconds_and_their_rest_are_one_time(names, unit):
         (0, 1_000_000, "time_ns;pos"),
     ],
 )
-def test_times_are_in_s(first, step, header, tmp_path):
-    path = tmp_path / "log.csv"
+def test_times_are_in_s(first, step, header, read_log):
     rows = [f"{first + k * step};{np.sin(k / 9):.9f}" for k in range(900)]
-    path.write_text("\n".join([header, *rows]))
-    t = read_recording(path).recording.t
+    t = read_log("\n".join([header, *rows])).recording.t
     np.testing.assert_allclose(t, np.arange(900) * 1e-3, rtol=1e-6)
 
 
