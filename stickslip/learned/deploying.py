@@ -32,13 +32,11 @@ ASSUMED = 500.0  # F_c; without a limit in the log learn assumes 1000 times its 
 
 def deployed_parts(learned: LearnedFile) -> dict[str, Compensator]:
     """Return what was written as FMUs, by name, in the order of the calls."""
-    found = {}
-    for part in PARTS:
-        if f"{part}.fmu" in learned.written:
-            is_feedforward = part == "compensator"
-            one = learned.deployed(learned.share) if is_feedforward else getattr(learned, part)
-            found[part] = one
-    return found
+    return {
+        part: learned.deployed(learned.share) if part == "compensator" else getattr(learned, part)
+        for part in PARTS
+        if f"{part}.fmu" in learned.written
+    }
 
 
 def build_parts(learned: LearnedFile, folder: Path, refusals: Mapping[str, str] = {}) -> None:
@@ -92,8 +90,8 @@ def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
         paths += write_combined(folder, language, blocks, rotary=rotary, notes=notes)
     idle, of_drive = _idle(learned.loop), partial(motion_unit, rotary=rotary)
     signals = {name: one for name, one in used_signals(blocks).items() if name not in idle}
-    verdict = {"source": "", "refused": (), **(learned.document.get("verdict") or {})}
-    tuning = learned.document.get("tuning") or {}
+    verdict = {"source": "", "refused": (), **learned.mapping("verdict")}
+    tuning = learned.mapping("tuning")
     limit = learned.datasheet.peak_force if "datasheet" in learned.document else math.inf
     section = Section(
         "",
@@ -102,7 +100,7 @@ def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
         given=", ".join(name if name in signals else "0.0" for name in SIGNALS),
         assigned=", ".join(f"{name} := {name}" for name in signals),
         force_unit=of_drive("N"),
-        T_s=(learned.document.get("T_s") or {}).get("value"),
+        T_s=learned.mapping("T_s").get("value"),
         names=names,
         verdict=verdict,
         warnings=dict.fromkeys([*verdict["refused"], *loop_doubts(learned)]),

@@ -77,6 +77,11 @@ class LearnedFile:
                 "read it with the version of stickslip that wrote it, or learn again"
             )
 
+    def mapping(self, name: str) -> dict[str, Any]:
+        """Return an entry with entries of its own; empty where there is no such one."""
+        entry = self.document.get(name)
+        return entry if isinstance(entry, dict) else {}
+
     @cached_property
     def law(self) -> Law:
         """The friction law of the compensator; LuGre by default."""
@@ -169,7 +174,7 @@ class LearnedFile:
     @property
     def observer(self) -> Compensator:
         """The observer for the axis in the file; raises UsageError without a valid one."""
-        entry = self._observer
+        entry = self.mapping("observer")
         if "parameters" not in entry:
             raise UsageError(
                 f"{self.path}: contains no disturbance observer: "
@@ -199,12 +204,7 @@ class LearnedFile:
     @property
     def observer_refusal(self) -> str:
         """Why the observer should not be exported; empty by default."""
-        return str(self._observer.get("refusal") or "")
-
-    @property
-    def _observer(self) -> dict[str, Any]:
-        entry = self.document.get("observer")
-        return entry if isinstance(entry, dict) else {}
+        return str(self.mapping("observer").get("refusal") or "")
 
     @property
     def drive_errors(self) -> dict[str, float]:
@@ -239,8 +239,7 @@ class LearnedFile:
     @property
     def written(self) -> tuple[str, ...]:
         """Names of the FMUs that learning wrote; that of the feedforward where it is not known."""
-        entry = self.document.get("written")
-        files = entry.get("files") if isinstance(entry, dict) else None
+        files = self.mapping("written").get("files")
         return tuple(map(str, files)) if isinstance(files, list) else ("compensator.fmu",)
 
     @property

@@ -68,12 +68,11 @@ def of_sliding(
     known: dict[str, Identifiability], sliding: Mapping[str, Interval], space: ParameterSpace
 ) -> dict[str, Identifiability]:
     """Return the same with the values that sliding motion shows without a law, by name."""
-    found = {
+    return known | {
         name: _classified(name, interval, space)
         for name, interval in sliding.items()
         if name in known
     }
-    return {**known, **found}
 
 
 def among_laws(
