@@ -116,13 +116,13 @@ def evidence():
         replace(predicted(law, error), parameters=FRICTION, plausible=(FRICTION,))
         for law, error in RIVALS
     ]
-    fitted = namespace(largest_friction=9.0, plausible=16 * [dict.fromkeys(SPACE.friction, 1.0)])
     known = {
         one: namespace(value=1.0, low=1e-3, high=99.0, identifiability=LEVELS[one in POOR])
         for one in SPACE.friction
     }
-    drive = namespace(fit=namespace(space=SPACE), known=known, law=SPACE.law, fitted=fitted)
-    drive.held_out, drive.parameters = namespace(predictions=found), {}
+    drive = namespace(fit=namespace(space=SPACE), known=known, law=SPACE.law, parameters={})
+    drive.plausible, drive.largest_friction = 16 * [dict.fromkeys(SPACE.friction, 1.0)], 9.0
+    drive.held_out = namespace(predictions=found)
     drive.recording = namespace(encoder_step=None)
     return compensator_trial.known_friction(drive, 1.0, LearnSettings().friction_range).draws
 

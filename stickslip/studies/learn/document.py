@@ -19,7 +19,7 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
     """Return the content of learned.json for what one recording gave, values in SI units."""
     estimation, loop = learned.estimation, learned.known_loop
     rotary = estimation.recording.rotary
-    errors = estimation.fitted.errors
+    errors = estimation.errors
     document: dict[str, Any] = {
         "schema": writing.SCHEMA,
         "parameters": tables.parameters(estimation).by_key(),

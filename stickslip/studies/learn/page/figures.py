@@ -351,7 +351,7 @@ def unresolved(estimation: Estimation) -> list[str]:
 def _curve(estimation: Estimation, name: str) -> tuple[Array, Array]:
     """Return values and deviances of one parameter, without what is too far away to draw."""
     fitted = estimation.known[name].value
-    profiles = estimation.fitted.profiles
+    profiles = estimation.profiles
     rows = profiles[profiles["parameter"] == name]
     value, deviance = (rows[column].to_numpy(dtype=float) for column in ("value", "deviance"))
     near = (value > fitted / FARTHEST) & (value < fitted * FARTHEST)
