@@ -30,7 +30,6 @@ from stickslip.identification.sliding.rows import (
     SLOWEST,
     Design,
     Rows,
-    Span,
     first_samples,
     hats,
     shifted,
@@ -38,6 +37,7 @@ from stickslip.identification.sliding.rows import (
     together,
 )
 from stickslip.identification.sliding.stribeck import EXPONENTS, rise
+from stickslip.logs.recording import Segment
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import curve_shown
 
@@ -116,22 +116,21 @@ def friction_curve(
     step: float,
     *,
     delay: float = 0.0,
-    spans: Sequence[Span] = (),
+    logs: Sequence[Segment] = (),
     factor: Array | None = None,
 ) -> FrictionCurve | None:
     """Estimate the friction curve of a recording, None where the drive slides too little.
 
     Position [m] and force [N] are (n,), with this step of the position [m]; the force has about
-    this delay [s], which is fitted beside the rest. The spans are those of the logs; by default
+    this delay [s], which is fitted beside the rest. The logs are those that are joined; by default
     it is a single one. Friction is that where its factor (n,) is 1.
     """
-    spans = spans or (Span(0, len(position)),)
     if len(position) < 8 * curve_shown.ROWS:
         return None
     force, noise = shifted(force, T_s, delay), position_noise(position, step)
 
     def rows(first: int, share: float) -> list[_Rows]:
-        of = partial(_Rows, position, force, T_s, noise, spans=spans, share=share, factor=factor)
+        of = partial(_Rows, position, force, T_s, noise, logs=logs, share=share, factor=factor)
         return [of(q=q) for q in (first, 2 * first)]
 
     first = first_samples(position, T_s, noise)

@@ -31,14 +31,13 @@ from stickslip.identification.sliding.rows import (
     SLOWEST,
     Design,
     Rows,
-    Span,
     first_samples,
     shifted,
     sizes,
-    spans_of,
     together,
 )
 from stickslip.logs import Recording
+from stickslip.logs.recording import Segment
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import curve_shown, position_force
 
@@ -134,16 +133,17 @@ def find_position_force(recording: Recording) -> PositionForce | None:
     if recording.force is None or len(recording.t) < 8 * curve_shown.ROWS:
         return None
     signals = (position_of(recording).tobytes(), recording.force.tobytes())
-    step, spans = recording.encoder_step, spans_of(recording)
-    return _found(*signals, recording.T_s, step, rotary=recording.rotary, spans=spans)
+    step, logs = recording.encoder_step, recording.segments
+    return _found(*signals, T_s=recording.T_s, step=step, rotary=recording.rotary, logs=logs)
 
 
 @lru_cache(1)  # checks and learning ask for that of the same signals
 def _found(
-    position: bytes, force: bytes, T_s: float, step: float, *, rotary: bool, spans: tuple[Span, ...]
+    *signals: bytes, T_s: float, step: float, rotary: bool, logs: tuple[Segment, ...]
 ) -> PositionForce | None:
     with threadpool_limits(limits=1, user_api="blas"):  # sums that are split round differently
-        log = _Log(np.frombuffer(position), np.frombuffer(force), T_s, step, spans=spans)
+        position, force = map(np.frombuffer, signals)
+        log = _Log(position, force, T_s, step, logs=logs)
         return _shown(log, rotary=rotary)
 
 
@@ -341,14 +341,14 @@ class _Log:
         T_s: float,
         step: float,
         *,
-        spans: tuple[Span, ...],
+        logs: tuple[Segment, ...],
         delay: float = 0.0,  # of the force, which is taken out [s]
     ) -> None:
         self.position, self.force, self.T_s, self.step = position, force, T_s, step
-        self.spans, self.delay, noise = spans, delay, position_noise(position, step)
+        self.logs, self.delay, noise = logs, delay, position_noise(position, step)
         first, own = first_samples(position, T_s, noise), shifted(force, T_s, delay)
         self.rows = [
-            Rows(position, own, T_s, noise, spans=spans, q=q, share=SLOWEST)
+            Rows(position, own, T_s, noise, logs=logs, q=q, share=SLOWEST)
             for q in (first, 2 * first)
         ]
         self.plain = self.rows[0].design(DISTANCES[0], GUARDS[0])
@@ -391,7 +391,7 @@ class _Log:
             if abs(late) < 0.5 * self.T_s:
                 break
             signals = (self.position, self.force, self.T_s, self.step)
-            log = _Log(*signals, spans=self.spans, delay=log.delay + late)
+            log = _Log(*signals, logs=self.logs, delay=log.delay + late)
         return log, terms
 
     def refined(self, terms: _Terms) -> tuple[_Terms, float] | None:
