@@ -94,7 +94,7 @@ def test_a_forced_compensator_has_the_whole_force_in_all_files(of_lugre, tmp_pat
     benefit = replace(of_lugre.trial.benefit, share=0.8)
     rows = (of_lugre.trial.compared.rows[0], Row("lugre", 2, 1.2, benefit))
     trial = replace(of_lugre.trial, benefit=benefit, compared=CompensatorComparison(rows, "lugre"))
-    write_learned(replace(emps, trial=trial), tmp_path, force=True)
+    write_learned(replace(of_lugre, trial=trial), tmp_path, force=True)
     whole = of_lugre.estimation.compensator
     assert LearnedFile(tmp_path / "learned.json").compensator == pytest.approx(whole)
     start = cosim.Fmu(tmp_path / "compensator.fmu").variables["F_c"].start
