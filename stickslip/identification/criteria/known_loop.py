@@ -111,6 +111,7 @@ class KnownLoop(Closing):
             )
             for one in recording.pieces
         ]
+        self.held = self._logs
 
     def run(
         self,
@@ -150,11 +151,6 @@ class KnownLoop(Closing):
         result = self.run(values, further, feedforward)
         require_bounded(result["candidate.v"], self._speed)
         return result
-
-    def close(self) -> None:
-        """Free the FMUs."""
-        for one in self._logs:
-            one.close()
 
 
 SIGNALS = ("candidate.x", "candidate.v", "candidate.x_enc", "candidate.F_m", "controller.u")
@@ -200,6 +196,7 @@ class _LogLoop(Closing):
             system, step=recording.T_s, stop=(len(recording.t) - 1) * recording.T_s, record=SIGNALS
         )
         self.runs = Runs(specification, workers)
+        self.held = [self.runs]
         self._added = memory_force(gains, len(recording.t), recording.T_s)
         if recording.known_force is not None:
             self._added -= recording.known_force
@@ -267,6 +264,7 @@ class OutputError(Criterion):
         self.t = recording.t
         self.position = position_of(recording)
         self.loop = KnownLoop(fmus, recording, gains, workers=workers)
+        self.held = [self.loop]
         # Whitening changes, but the positions that values give do not.
         self._simulated = Recent(self._simulate)
         self.step = recording.encoder_step
@@ -295,10 +293,6 @@ class OutputError(Criterion):
         points = list(points)
         self._simulated([tuple(values.items()) for values in points])
         return [self.residual(values) for values in points]
-
-    def close(self) -> None:
-        """Free the FMUs."""
-        self.loop.close()
 
     def white(self, raw: Array) -> Array:
         """Whiten a residual (n,) and leave out its start, (k,)."""

@@ -15,7 +15,6 @@ from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.identifiability import Identifiability
 from stickslip.identification.fitting.start import Start
 from stickslip.identification.selection.choice import Choice
-from stickslip.identification.sliding.friction_curve import FrictionCurve
 from stickslip.identification.sliding.position_force import PositionForce
 from stickslip.logs import Finding, Recording
 from stickslip.models import Law
@@ -48,11 +47,6 @@ class Estimation:
     choice: Choice | None = None  # of the law among all; None where the law was given
     # known beside mass and friction: gravity and cogging, in SI units; None for none
     position_force: PositionForce | None = None
-
-    @property
-    def friction_curve(self) -> FrictionCurve | None:
-        """Friction against speed without a law; None where the drive slides too little."""
-        return self.start.curve
 
     @property
     def F_0(self) -> float:  # noqa: N802 - the symbol

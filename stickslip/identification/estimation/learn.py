@@ -30,7 +30,6 @@ from stickslip.identification.estimation.task import Task, choose
 from stickslip.identification.fitting import bootstrap
 from stickslip.identification.fitting.fit import (
     BLOCKS,
-    DRAWS,
     ROUGH,
     Fit,
     fit,
@@ -171,7 +170,7 @@ def _learn(task: Task, scale: motion.Scale, progress: Progress) -> Estimation:
         parameters=values,
         errors=errors,
         profiles=table,
-        plausible=plausible(best, task.settings.seed, DRAWS),
+        plausible=plausible(best, task.settings.seed),
         largest_friction=largest,
         searched=searched,
         held_out=held_out,

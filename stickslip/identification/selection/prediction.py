@@ -16,7 +16,6 @@ from stickslip.identification.criteria.motion import Scale, against_motion, reco
 from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.fitting.fit import (
     BLOCKS,
-    DRAWS,
     ROUGH,
     Fit,
     fit,
@@ -174,7 +173,7 @@ def predict(
         squares=mean_squares(residual, everywhere),
         shown=_shown(fitted),
         moving=moving(inverse, fitted.parameters, residual, split),
-        plausible=plausible(fitted, 0, DRAWS),
+        plausible=plausible(fitted, 0),
     )
 
 

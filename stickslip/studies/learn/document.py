@@ -53,7 +53,7 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         document["predicted_logs"] = tables.predicted_logs(
             learned.predicted, rotary=rotary
         ).records()
-    if (curve := estimation.friction_curve) is not None:  # with viscous friction, 95 % intervals
+    if (curve := estimation.start.curve) is not None:  # with viscous friction, 95 % intervals
         speed, force = unit_of("v_s", rotary=rotary), unit_of("F_c", rotary=rotary)
         friction = {key: plain(getattr(curve, key)) for key in ("value", "low", "high")}
         document["friction_curve"] = {

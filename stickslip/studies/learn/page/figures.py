@@ -191,7 +191,7 @@ def _friction(both: Axes, against_speed: Axes, estimation: Estimation, signals: 
     both.plot(-x, curve[:300][::-1], color=style.WITH)
     both.plot(x, curve[300:], color=style.WITH)
     against_speed.plot(x, curve[300:], color=style.WITH, label=f"learned {steady_name(estimation)}")
-    shown = estimation.friction_curve
+    shown = estimation.start.curve
     if shown is not None:
         low, high = (scale.factor * end for end in (shown.low, shown.high))
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
