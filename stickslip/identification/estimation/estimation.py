@@ -30,7 +30,8 @@ class Estimation:
     start: Start  # a straight line through the force, and the friction curve without a law
     fit: Fit  # of the law, with coordinates, residual and covariance
     known: dict[str, Identifiability]  # identifiability by name: the law's parameters, m and b
-    parameters: dict[str, float]  # all values by name, in SI units
+    # all values by name, in SI units; the delay is that of the force, beyond the log's own
+    parameters: dict[str, float]
     errors: dict[str, float]  # their standard errors, in SI units
     profiles: pd.DataFrame  # see ``identifiability.profiles``
     searched: ga.Optimiser  # the global search that came before the fit, on the scaled recording
@@ -49,11 +50,6 @@ class Estimation:
     position_force: PositionForce | None = None
 
     @property
-    def F_0(self) -> float:  # noqa: N802 - the symbol
-        """Constant force against the motor [N]."""
-        return self.parameters["F_0"]
-
-    @property
     def law(self) -> Law:
         """The friction law of the drive that was fitted."""
         return self.fit.space.law
@@ -67,11 +63,6 @@ class Estimation:
     def compensator(self) -> dict[str, float]:
         """The compensator's parameters by name, in SI units: those of the law."""
         return {name: value for name, value in self.parameters.items() if name not in DRIVE}
-
-    @property
-    def delay(self) -> float:
-        """Of the force, beyond the log's own [s]."""
-        return self.parameters["delay"]
 
 
 def restored(estimation: Estimation, scale: Scale) -> Estimation:

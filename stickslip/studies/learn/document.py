@@ -24,12 +24,12 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         "schema": writing.SCHEMA,
         "parameters": tables.parameters(estimation).by_key(),
         "F_0": {
-            "value": estimation.F_0,
+            "value": estimation.parameters["F_0"],
             "unit": unit_of("F_c", rotary=rotary),
             "standard_error": errors.get("F_0", 0.0),
         },
         "delay": {
-            "value": estimation.delay,
+            "value": estimation.parameters["delay"],
             "unit": "s",
             "standard_error": errors.get("delay", 0.0),
         },
