@@ -290,12 +290,12 @@ def parts(repetitions):
 
 
 def faults(delay=5.0, change=(0.0, 0.1)):
-    """Return what is found wrong with a fit by its delay [samples] and a change of friction."""
+    """Return what spoils intervals of a fit, by its delay [samples] and a change of friction."""
     ends = {"lower": np.array([-5.0]), "upper": np.array([20.0]), "units": np.array([T_S])}
     space = namespace(index=lambda _: 0, law=SPACE.law, **ends)
     fitted = namespace(space=space, q=np.array([delay]))
     found = estimation.faults.found_faults(fitted, "inverse model", None, np.nan, change)
-    return [one.what.partition(" of")[0] for one in found]
+    return [one.what.partition(" of")[0] for one in found if one.spoils == "intervals"]
 
 
 def is_coarse(step):

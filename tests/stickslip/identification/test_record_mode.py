@@ -199,7 +199,7 @@ def test_a_constant_force_changes_nothing_else(told, candidates):
     alone, _ = told
     lifted = replace(alone.recording, force=alone.recording.force + 40.0)
     learned = learn(Task(candidates, lifted))
-    assert abs(learned.F_0 - alone.F_0 - 40.0) < 0.02
+    assert abs(learned.parameters["F_0"] - alone.parameters["F_0"] - 40.0) < 0.02
     for name in alone.known:
         apart = learned.parameters[name] - alone.parameters[name]
         assert abs(apart) < 0.2 * alone.errors[name], name

@@ -29,7 +29,6 @@ FILES = {
     "cells": ("log.mat", writers.cells),
     "matlab 7.3": ("log.mat", writers.matlab73),
     "simulink in 7.3": ("log.mat", writers.matlab73_simulink),
-    "cells in 7.3": ("log.mat", writers.matlab73_cells),
 }
 WITHOUT_UNITS = ("simulink", "simulink blocks", "matlab 7.3", "simulink in 7.3")
 EXTRAS = {
