@@ -510,11 +510,6 @@ def flat(noise):
         return search.without_stribeck(namespace(over=id), found) is not found
 
 
-def unexplained(error, explained, **changes):
-    """Return the prediction of a law with an error [N], of which noise explains a part."""
-    return replace(predicted("lugre", error), explained=explained, **changes)
-
-
 def warning(found, *causes):
     """Return the finding that a law does not explain a log."""
     (one,) = choice.mismatch(found, [], causes, rotary=False)
@@ -993,21 +988,21 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "law_choice.ALIKE": (lambda: stiffness(1.5), 1.2, 10.0),
     "law_choice.EXPONENT/2": (lambda: search.select(fits(0.9)).fit.noise, 0.9, 1.0),
     "law_choice.EXPONENT_BIASED/2": (lambda: exponent(0.7), 0.7, 1.0),
-    "misfit.NOTED": (lambda: choice.is_mismatch(unexplained(0.25, 0.1)), True, False),
+    "misfit.NOTED": (lambda: choice.is_mismatch(predicted("lugre", 0.25)), True, False),
     "misfit.EXPLAINED": (
-        lambda: (warning(unexplained(0.3, 0.1)).spoils, "drive holds" in verdict(ratio=3.0)),
+        lambda: (warning(predicted("lugre", 0.3)).spoils, "drive holds" in verdict(ratio=3.0)),
         ("intervals", False),
         ("", True),
     ),
-    "misfit.SMALLEST": (lambda: choice.is_mismatch(unexplained(0.2, 0.1)), True, False),
+    "misfit.SMALLEST": (lambda: choice.is_mismatch(predicted("lugre", 0.2)), True, False),
     "misfit.BEATEN/2": (
-        lambda: choice.is_beaten(unexplained(1.0, 1.0), [predicted("gms", 0.5)]),
+        lambda: choice.is_beaten(predicted("lugre", 1.0, explained=1.0), [predicted("gms", 0.5)]),
         True,
         False,
     ),
-    "misfit.LARGE": (lambda: choice.is_large(unexplained(0.9, 0.9)), True, False),
+    "misfit.LARGE": (lambda: choice.is_large(predicted("lugre", 0.9, explained=0.9)), True, False),
     "misfit.LIKELY": (
-        lambda: warning(unexplained(1.0, 0.1), choice.Cause("", 0.6, "advice")).advice,
+        lambda: warning(predicted("lugre", 1.0), choice.Cause("", 0.6, "advice")).advice,
         "advice",
         "take the values as coarse",
     ),

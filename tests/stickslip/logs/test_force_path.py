@@ -141,6 +141,7 @@ def test_of_a_force_that_switches(mass, viscous):
 
 T_S, N = 1e-3, 8_000
 T = np.arange(N) * T_S
+SWEEP = 16.0 * np.sin(2 * np.pi * (0.3 * T + 0.04 * T**2))
 TRAPEZOID = 0.1 * np.clip(8.0 * np.sin(2 * np.pi * 0.25 * T), -1.0, 1.0)
 
 
@@ -161,7 +162,7 @@ def said(recording, **stated) -> str:
 
 EXPERIMENTS = {
     "trapezoids with Coulomb friction alone": {},
-    "bang-bang force": {"force": 14.0 * np.sign(np.sin(2 * np.pi * (0.3 * T + 0.04 * T**2)))},
+    "bang-bang force": {"force": 14.0 * np.sign(SWEEP)},
     "steps of force": {
         "force": np.repeat([12, -9, 18, -18, 18, -10, 15, -12, 18, -18], N // 10) * 1.0, "b": 90.0,
     },
@@ -190,8 +191,7 @@ def test_a_limit_is_found_where_the_error_of_the_motion_grows(limits):
 
 
 def test_a_limit_is_found_where_the_force_command_is_larger():
-    command = 16.0 * np.sin(2 * np.pi * (0.3 * T + 0.04 * T**2))
-    log = run(command, b=90.0, limits=(-11.0, 13.0))
+    log = run(SWEEP, b=90.0, limits=(-11.0, 13.0))
     told = said(log).split("saturates at 13: ")[1]
     share = np.mean((log.force > 12.8) | (log.force < -10.8))
     assert float(told.split("%")[0]) == pytest.approx(100 * share, rel=0.1)
@@ -199,8 +199,7 @@ def test_a_limit_is_found_where_the_force_command_is_larger():
 
 
 def test_a_force_that_was_logged_before_a_limit():
-    command = 16.0 * np.sin(2 * np.pi * (0.3 * T + 0.04 * T**2))
-    log = run(command, b=90.0, limits=(-13.0, 13.0))
+    log = run(SWEEP, b=90.0, limits=(-13.0, 13.0))
     [found] = spoiled(log.force_command, replace(log, force_command=None))
     assert "the force was logged before a limit" in found
     assert float(found.split("at most ")[1].split(";")[0]) == pytest.approx(13.0, rel=0.1)

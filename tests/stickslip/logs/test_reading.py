@@ -152,9 +152,7 @@ KINDS = {
     "repeated headers": lambda n: "t,x,F\n" * n + row(1) * n,
     "many columns": lambda n: ",".join(f"a{k}" for k in range(n)) + "\n" + ("1," * n + "\n") * 3,
     "many pairs": lambda n: "time,x\t" * n + "\n" + ("1,2\t" * n + "\n") * 3,
-    "only carriage returns": lambda n: ("t,x,F\n" + "".join(map(row, range(n)))).replace(
-        "\n", "\r"
-    ),
+    "only carriage returns": lambda n: KINDS["a log"](n).replace("\n", "\r"),
     "a log": lambda n: "t,x,F\n" + "".join(map(row, range(n))),
 }
 
