@@ -408,7 +408,8 @@ class _Log:
             late = float(found.coefficients[FIXED.index("delay")]) * self.rows[0].T
             if not terms.orders:
                 before, terms = terms, replace(terms, coefficients=tuple(c.tolist()))
-                if terms.loads and not _is_near(before, terms):
+                old, new = (np.array(one.coefficients[:2]) for one in (before, terms))
+                if terms.loads and not np.linalg.norm(new - old) < NEAR * np.linalg.norm(new):
                     continue
                 return terms, late
             terms = replace(terms, coefficients=tuple(c[:-1].tolist()))
@@ -485,12 +486,6 @@ class _Log:
             if halves:
                 groups["beside"] = size * rows.waves(sorted(halves))[used]
         return replace(design, fixed=np.column_stack([design.fixed, *own]), groups=groups)
-
-
-def _is_near(one: _Terms, other: _Terms) -> bool:
-    """Whether the weights of arms are alike, as friction over them needs it."""
-    before, now = (np.array(terms.coefficients[:2]) for terms in (one, other))
-    return bool(np.linalg.norm(now - before) < NEAR * np.linalg.norm(now))
 
 
 def _size(design: Design, found: Regression, part: slice) -> tuple[float, float]:
