@@ -46,6 +46,7 @@ def build_parts(learned: LearnedFile, folder: Path, refusals: Mapping[str, str] 
     OSError.
     """
     for part, one in deployed_parts(learned).items():
+        share = learned.share if part == "compensator" else None
         build_fmu(
             one.model,
             folder,
@@ -54,16 +55,12 @@ def build_parts(learned: LearnedFile, folder: Path, refusals: Mapping[str, str] 
             called=part,
             rotary=learned.rotary,
             note=refusals.get(part, ""),
-            notes=provenance(learned, _share(learned, part), f"{part}.fmu"),
+            notes=provenance(learned, share, f"{part}.fmu"),
         )
 
 
 def _law(learned: LearnedFile, one: Compensator) -> str | None:
     return (one.law or learned.law.name) if load_model(one.model).law else None
-
-
-def _share(learned: LearnedFile, *parts: str) -> float | None:
-    return learned.share if "compensator" in parts else None
 
 
 def deployed_blocks(learned: LearnedFile) -> Iterator[Model]:
@@ -84,7 +81,7 @@ def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
         refusal = learned.refusal or "it does not state which compensators learn wrote"
         raise HarmfulError(f"{learned.path}: nothing to deploy: {refusal}")
     names, rotary = [block.name for block in blocks], learned.rotary
-    notes = provenance(learned, _share(learned, *names))
+    notes = provenance(learned, learned.share if "compensator" in names else None)
     paths: list[Path] = []
     for language in get_args(Language):
         paths += write_combined(folder, language, blocks, rotary=rotary, notes=notes)
