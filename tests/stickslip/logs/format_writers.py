@@ -89,9 +89,8 @@ def simulink_blocks(path, columns):
     """One block a signal, with names of blocks alone."""
     time, *names = columns
     each = {name: _signals({time: columns[time], name: columns[name]}) for name in names}
-    for name, found in each.items():
+    for found in each.values():
         found["signals"][0, 0]["label"] = ""
-        each[name] = found
     scipy.io.savemat(path, {split_unit(name)[0]: found for name, found in each.items()})
 
 

@@ -63,7 +63,6 @@ def test_points_in_time_become_seconds(table, read_log):
 
 @pytest.mark.parametrize("kind", [np.float64, np.float32, np.int32])
 def test_parquet(table, tmp_path, kind):
-    pytest.importorskip("pyarrow")
     if kind is np.int32:
         counts = (table["position"] / 4e-7).round().astype(kind)
         stored = table.assign(position=counts).rename(columns={"position": "position [counts]"})
