@@ -116,13 +116,13 @@ def evidence():
         replace(predicted(law, error), parameters=FRICTION, plausible=(FRICTION,))
         for law, error in RIVALS
     ]
-    fitted = namespace(largest_friction=9.0, plausible=16 * [dict.fromkeys(SPACE.friction, 1.0)])
     known = {
         one: namespace(value=1.0, low=1e-3, high=99.0, identifiability=LEVELS[one in POOR])
         for one in SPACE.friction
     }
-    drive = namespace(fit=namespace(space=SPACE), known=known, law=SPACE.law, fitted=fitted)
-    drive.held_out, drive.parameters = namespace(predictions=found), {}
+    drive = namespace(fit=namespace(space=SPACE), known=known, law=SPACE.law, parameters={})
+    drive.plausible, drive.largest_friction = 16 * [dict.fromkeys(SPACE.friction, 1.0)], 9.0
+    drive.held_out = namespace(predictions=found)
     drive.recording = namespace(encoder_step=None)
     return compensator_trial.known_friction(drive, 1.0, LearnSettings().friction_range).draws
 
@@ -290,12 +290,12 @@ def parts(repetitions):
 
 
 def faults(delay=5.0, change=(0.0, 0.1)):
-    """Return what is found wrong with a fit by its delay [samples] and a change of friction."""
+    """Return what spoils intervals of a fit, by its delay [samples] and a change of friction."""
     ends = {"lower": np.array([-5.0]), "upper": np.array([20.0]), "units": np.array([T_S])}
     space = namespace(index=lambda _: 0, law=SPACE.law, **ends)
     fitted = namespace(space=space, q=np.array([delay]))
     found = estimation.faults.found_faults(fitted, "inverse model", None, np.nan, change)
-    return [one.what.partition(" of")[0] for one in found]
+    return [one.what.partition(" of")[0] for one in found if one.spoils == "intervals"]
 
 
 def is_coarse(step):
@@ -508,11 +508,6 @@ def flat(noise):
         search, identifiability=lambda *_: hidden, fit=lambda *_: namespace(noise=noise)
     ):
         return search.without_stribeck(namespace(over=id), found) is not found
-
-
-def unexplained(error, explained, **changes):
-    """Return the prediction of a law with an error [N], of which noise explains a part."""
-    return replace(predicted("lugre", error), explained=explained, **changes)
 
 
 def warning(found, *causes):
@@ -993,21 +988,21 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "law_choice.ALIKE": (lambda: stiffness(1.5), 1.2, 10.0),
     "law_choice.EXPONENT/2": (lambda: search.select(fits(0.9)).fit.noise, 0.9, 1.0),
     "law_choice.EXPONENT_BIASED/2": (lambda: exponent(0.7), 0.7, 1.0),
-    "misfit.NOTED": (lambda: choice.is_mismatch(unexplained(0.25, 0.1)), True, False),
+    "misfit.NOTED": (lambda: choice.is_mismatch(predicted("lugre", 0.25)), True, False),
     "misfit.EXPLAINED": (
-        lambda: (warning(unexplained(0.3, 0.1)).spoils, "drive holds" in verdict(ratio=3.0)),
+        lambda: (warning(predicted("lugre", 0.3)).spoils, "drive holds" in verdict(ratio=3.0)),
         ("intervals", False),
         ("", True),
     ),
-    "misfit.SMALLEST": (lambda: choice.is_mismatch(unexplained(0.2, 0.1)), True, False),
+    "misfit.SMALLEST": (lambda: choice.is_mismatch(predicted("lugre", 0.2)), True, False),
     "misfit.BEATEN/2": (
-        lambda: choice.is_beaten(unexplained(1.0, 1.0), [predicted("gms", 0.5)]),
+        lambda: choice.is_beaten(predicted("lugre", 1.0, explained=1.0), [predicted("gms", 0.5)]),
         True,
         False,
     ),
-    "misfit.LARGE": (lambda: choice.is_large(unexplained(0.9, 0.9)), True, False),
+    "misfit.LARGE": (lambda: choice.is_large(predicted("lugre", 0.9, explained=0.9)), True, False),
     "misfit.LIKELY": (
-        lambda: warning(unexplained(1.0, 0.1), choice.Cause("", 0.6, "advice")).advice,
+        lambda: warning(predicted("lugre", 1.0), choice.Cause("", 0.6, "advice")).advice,
         "advice",
         "take the values as coarse",
     ),

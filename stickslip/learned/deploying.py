@@ -32,13 +32,11 @@ ASSUMED = 500.0  # F_c; without a limit in the log learn assumes 1000 times its 
 
 def deployed_parts(learned: LearnedFile) -> dict[str, Compensator]:
     """Return what was written as FMUs, by name, in the order of the calls."""
-    found = {}
-    for part in PARTS:
-        if f"{part}.fmu" in learned.written:
-            is_feedforward = part == "compensator"
-            one = learned.deployed(learned.share) if is_feedforward else getattr(learned, part)
-            found[part] = one
-    return found
+    return {
+        part: learned.deployed(learned.share) if part == "compensator" else getattr(learned, part)
+        for part in PARTS
+        if f"{part}.fmu" in learned.written
+    }
 
 
 def build_parts(learned: LearnedFile, folder: Path, refusals: Mapping[str, str] = {}) -> None:
@@ -48,6 +46,7 @@ def build_parts(learned: LearnedFile, folder: Path, refusals: Mapping[str, str] 
     OSError.
     """
     for part, one in deployed_parts(learned).items():
+        share = learned.share if part == "compensator" else None
         build_fmu(
             one.model,
             folder,
@@ -56,16 +55,12 @@ def build_parts(learned: LearnedFile, folder: Path, refusals: Mapping[str, str] 
             called=part,
             rotary=learned.rotary,
             note=refusals.get(part, ""),
-            notes=provenance(learned, _share(learned, part), f"{part}.fmu"),
+            notes=provenance(learned, share, f"{part}.fmu"),
         )
 
 
 def _law(learned: LearnedFile, one: Compensator) -> str | None:
     return (one.law or learned.law.name) if load_model(one.model).law else None
-
-
-def _share(learned: LearnedFile, *parts: str) -> float | None:
-    return learned.share if "compensator" in parts else None
 
 
 def deployed_blocks(learned: LearnedFile) -> Iterator[Model]:
@@ -86,14 +81,14 @@ def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
         refusal = learned.refusal or "it does not state which compensators learn wrote"
         raise HarmfulError(f"{learned.path}: nothing to deploy: {refusal}")
     names, rotary = [block.name for block in blocks], learned.rotary
-    notes = provenance(learned, _share(learned, *names))
+    notes = provenance(learned, learned.share if "compensator" in names else None)
     paths: list[Path] = []
     for language in get_args(Language):
         paths += write_combined(folder, language, blocks, rotary=rotary, notes=notes)
     idle, of_drive = _idle(learned.loop), partial(motion_unit, rotary=rotary)
     signals = {name: one for name, one in used_signals(blocks).items() if name not in idle}
-    verdict = {"source": "", "refused": (), **(learned.document.get("verdict") or {})}
-    tuning = learned.document.get("tuning") or {}
+    verdict = {"source": "", "refused": (), **learned.mapping("verdict")}
+    tuning = learned.mapping("tuning")
     limit = learned.datasheet.peak_force if "datasheet" in learned.document else math.inf
     section = Section(
         "",
@@ -102,7 +97,7 @@ def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
         given=", ".join(name if name in signals else "0.0" for name in SIGNALS),
         assigned=", ".join(f"{name} := {name}" for name in signals),
         force_unit=of_drive("N"),
-        T_s=(learned.document.get("T_s") or {}).get("value"),
+        T_s=learned.mapping("T_s").get("value"),
         names=names,
         verdict=verdict,
         warnings=dict.fromkeys([*verdict["refused"], *loop_doubts(learned)]),

@@ -27,12 +27,7 @@ from stickslip.cosim import SignalError, Trapezoid
 from stickslip.errors import UsageError
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.fmi.files import MOST_TEXT, parse_json, read_limited
-from stickslip.identification.criteria.motion import position_of
-from stickslip.identification.sliding.position_force import (
-    block_parameters,
-    friction_factor,
-    varying,
-)
+from stickslip.identification.sliding.position_force import block_parameters, with_known_force
 from stickslip.learned.writing import (
     AXIS_KEYS,
     DATASHEET,
@@ -81,6 +76,11 @@ class LearnedFile:
                 f"{path}: schema: expected a number from 1 to {SCHEMA}, got {schema!r:.80}; "
                 "read it with the version of stickslip that wrote it, or learn again"
             )
+
+    def mapping(self, name: str) -> dict[str, Any]:
+        """Return an entry with entries of its own; empty where there is no such one."""
+        entry = self.document.get(name)
+        return entry if isinstance(entry, dict) else {}
 
     @cached_property
     def law(self) -> Law:
@@ -174,7 +174,7 @@ class LearnedFile:
     @property
     def observer(self) -> Compensator:
         """The observer for the axis in the file; raises UsageError without a valid one."""
-        entry = self._observer
+        entry = self.mapping("observer")
         if "parameters" not in entry:
             raise UsageError(
                 f"{self.path}: contains no disturbance observer: "
@@ -198,21 +198,13 @@ class LearnedFile:
         if (held := self.position_force) is None:
             return recording
         entry = self.document.get("delay", {"value": 0.0})
-        later = recording.t + self._values("delay", {"delay": entry})["delay"]
-        x = np.interp(later, recording.t, position_of(recording))
-        factor = friction_factor(held.values, x)
-        known = varying(held.values, x)
-        return dataclasses.replace(recording, known_force=known, friction_factor=factor)
+        delay = self._values("delay", {"delay": entry})["delay"]
+        return with_known_force(recording, held.values, delay)
 
     @property
     def observer_refusal(self) -> str:
         """Why the observer should not be exported; empty by default."""
-        return str(self._observer.get("refusal") or "")
-
-    @property
-    def _observer(self) -> dict[str, Any]:
-        entry = self.document.get("observer")
-        return entry if isinstance(entry, dict) else {}
+        return str(self.mapping("observer").get("refusal") or "")
 
     @property
     def drive_errors(self) -> dict[str, float]:
@@ -247,8 +239,7 @@ class LearnedFile:
     @property
     def written(self) -> tuple[str, ...]:
         """Names of the FMUs that learning wrote; that of the feedforward where it is not known."""
-        entry = self.document.get("written")
-        files = entry.get("files") if isinstance(entry, dict) else None
+        files = self.mapping("written").get("files")
         return tuple(map(str, files)) if isinstance(files, list) else ("compensator.fmu",)
 
     @property

@@ -1,7 +1,7 @@
 """One log of a drive, on an even grid, in SI units, and findings of its checks."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -19,7 +19,8 @@ class Segment:
     begin: int  # its first sample
     end: int  # the sample behind its last one
     source: str  # where it comes from, as displayed
-    gains: Mapping[str, float] | None = None  # of its controller's FMU; None where not known
+    # of its controller's FMU; None where not known
+    gains: Mapping[str, float] | None = field(default=None, compare=False)
     load: float = 0.0  # mass that it moves beside that of the drive [kg]
 
 

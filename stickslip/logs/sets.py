@@ -39,11 +39,10 @@ def logs_of(paths: Sequence[Path], description: Description) -> list[Log]:
 
 
 def _logs(path: Path, description: Description) -> Iterator[Log]:
-    if path.is_dir():
-        table = path / "runs.csv"
-        if table.is_file() and _is_table(table):
-            yield from _of_table(table, description)
-            return
+    table = path / "runs.csv" if path.is_dir() else path
+    if _is_table(table):
+        yield from _of_table(table, description)
+    elif path.is_dir():
         known = {*TEXT, *SUFFIXES}
         suffix = {one: Path(one.name.lower().removesuffix(".gz")).suffix for one in path.iterdir()}
         found = sorted(one for one in suffix if suffix[one] in known)
@@ -51,8 +50,6 @@ def _logs(path: Path, description: Description) -> Iterator[Log]:
             expected = ", ".join(sorted(known))
             raise UsageError(f"{path}: no log in this folder; expected files of {expected}")
         yield from (Log(one, description) for one in found)
-    elif _is_table(path):
-        yield from _of_table(path, description)
     else:
         yield Log(path, description)
 

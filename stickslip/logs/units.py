@@ -196,10 +196,7 @@ def unit_names(quantity: str) -> tuple[str, ...]:
 
 def motion_of(unit: Unit) -> Motion | None:
     """Return the motion that a unit belongs to, None when to either."""
-    for motion, quantities in QUANTITIES.items():
-        if unit.quantity in quantities.values():
-            return motion
-    return None
+    return next((m for m, of in QUANTITIES.items() if unit.quantity in of.values()), None)
 
 
 def quantity_key(role: str) -> str:

@@ -301,7 +301,8 @@ class Rig(ABC):
         ----------
         compensated : whether the compensator's force reaches the drive
         """
-        whole = self._simulated(v_cmd, loop, compensated=compensated)
+        simulated = self.limits is None  # else each sample has to be compared with them
+        whole = self._simulated(v_cmd, loop, compensated=compensated) if simulated else None
         record = ("nominal.v_r", "compensator.F_mean")
         specification = whole or cosim.Specification(
             feedforward(self.fmus, loop, {}),

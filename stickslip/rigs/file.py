@@ -6,7 +6,7 @@ import io
 import json
 import logging
 import zipfile
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict
 from importlib.metadata import entry_points
@@ -80,17 +80,15 @@ class KeptRig(Rig):
         key = _key_of(command)
         if kept.exists():
             with _readable(kept), np.load(kept, allow_pickle=False) as content:
-                asked, log = str(content["command"]), Log(*(content[name] for name in _LOG))
-                of = str(content["rig"])
-            self._compare(kept, of, asked, key)
+                log = Log(*(content[name] for name in _LOG))
+                self._compare(kept, content, key)
             self._report(f"is taken from {self._folder}")
             return log
         if begun.exists():
             with _readable(begun):
                 state = parse_json(read_limited(begun, MOST_TEXT))
-                asked, limit = str(state["command"]), str(state["limit"])
-                of = str(state["rig"])
-            self._compare(begun, of, asked, key)
+                limit = str(state["limit"])
+                self._compare(begun, state, key)
             if limit:
                 self._report(f"was aborted by a limit before, as kept in {self._folder}")
                 raise LimitError(limit)
@@ -117,10 +115,11 @@ class KeptRig(Rig):
     def _report(self, what: str) -> None:
         _LOGGER.warning("motion %d %s; the drive was not moved", self._motion, what)
 
-    def _compare(self, file: Path, of: str, kept: str, asked: str) -> None:
+    def _compare(self, file: Path, content: Mapping[str, Any], asked: str) -> None:
+        """Raise RigError where a file is of another rig or command, or ValueError."""
+        of, kept = str(content["rig"]), str(content["command"])
         if of != self._own:
-            with _readable(file):
-                other, own = json.loads(of), json.loads(self._own)
+            other, own = json.loads(of), json.loads(self._own)
             name = next((n for n in own if other.get(n) != own[n]), "rig")
             raise RigError(
                 f"{file}: is of another rig: {name} {other.get(name)}; expected {own.get(name)}. "

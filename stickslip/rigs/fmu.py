@@ -68,16 +68,12 @@ class FmuRig(Rig):
         recorded ``drive.x_enc`` and ``nominal.v_r``. It pickles, and its runs go side by side.
         """
         names = [f"compensator.{name}" for name in estimated(self.law)]
-        whole = self._loop(v_cmd, loop, compensated=True)
+        whole = self._simulated(v_cmd, loop, compensated=True)
         return ga.SimulatedCost(whole, names, cost, loop.commands(v_cmd))
 
     def _simulated(
         self, v_cmd: Array, loop: VelocityLoop, *, compensated: bool
-    ) -> cosim.Specification | None:
-        """Return a run of the loop with a compensator, where there are no limits to check."""
-        return self._loop(v_cmd, loop, compensated=compensated) if self.limits is None else None
-
-    def _loop(self, v_cmd: Array, loop: VelocityLoop, *, compensated: bool) -> cosim.Specification:
+    ) -> cosim.Specification:
         return cosim.Specification(
             paper_loop(self.fmus, loop, {} if compensated else None),
             step=self.T_s,

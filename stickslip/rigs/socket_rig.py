@@ -143,7 +143,8 @@ class SocketRig(Rig):
         F: list[float] = []
         try:
             self._motion = motion
-            start = {"samples": n, "crc": crc_of(signals), "loop": loop, "limits": asdict(limits)}
+            start = {"samples": n, "crc": crc_of(signals), "loop": loop}
+            start["limits"] = sent_limits(asdict(limits))
             try:
                 self._request("start", motion=motion, **start)
             except Refusal:
@@ -186,8 +187,6 @@ class SocketRig(Rig):
 
     def _request(self, what: str, **fields: Any) -> dict[str, Any]:
         """Send a request until it is answered, over a new connection if need be; raise RigError."""
-        if "limits" in fields:
-            fields["limits"] = sent_limits(fields["limits"])
         first, why = self._seq + 1, "it does not answer"
         give_up = time.monotonic() + self._patience
         while time.monotonic() < give_up:
@@ -232,11 +231,7 @@ class SocketRig(Rig):
                 raise OSError("the connection was closed")
             for reply in self._lines.messages(received):
                 if isinstance(reply.get("seq"), int) and first <= reply["seq"] <= self._seq:
-                    found = reply
-                    break
-            else:
-                continue
-            return found
+                    return reply
         return None
 
     def _disconnect(self) -> None:

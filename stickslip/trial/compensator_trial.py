@@ -205,8 +205,8 @@ def known_friction(estimation: Estimation, top: float, levels: tuple[float, floa
     """
     space, known, law = estimation.fit.space, estimation.known, estimation.law
     taken = (known[name].value for name in space.bounded)
-    largest = harm.RESERVE * max(estimation.fitted.largest_friction, *taken, 0.0)
-    fitted, ranges = {**estimation.parameters, **next(iter(estimation.fitted.plausible), {})}, {}
+    largest = harm.RESERVE * max(estimation.largest_friction, *taken, 0.0)
+    fitted, ranges = {**estimation.parameters, **next(iter(estimation.plausible), {})}, {}
     for name in (one for one in space.friction if known[one].identifiability != IDENTIFIABLE):
         low, high = known[name].low, known[name].high
         if law.parameters[name].unit == "m/s":
@@ -218,7 +218,7 @@ def known_friction(estimation: Estimation, top: float, levels: tuple[float, floa
             high = min(known[name].high, largest)
         ranges[name] = (low, max(low, high))
     draws: dict[str, Sequence[Mapping[str, float]]] = {}
-    draws[law.name] = _spread(estimation.fitted.plausible, ranges)
+    draws[law.name] = _spread(estimation.plausible, ranges)
     found = estimation.held_out.predictions
     least = min((one.force for one in found), default=0.0)
     for tried in found:

@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
-from importlib import import_module
 
 import pytest
 
@@ -21,8 +20,7 @@ def briefly() -> Iterator[pytest.MonkeyPatch]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("stickslip.identification.estimation.Search", partial(Search, evaluations=40))
         patch.setattr("stickslip.presentation.page.Picture.of", blank)
-        for room in ("estimation.learn", "selection.prediction"):
-            patch.setattr(import_module(f"stickslip.identification.{room}"), "DRAWS", 1)
+        patch.setattr("stickslip.identification.fitting.fit.DRAWS", 1)
         patch.setattr("stickslip.trial.family.SWEPT_MOVES", 2)
         patch.setattr("stickslip.trial.family.SWEPT_CREEPS", (0.3,))
         yield patch

@@ -52,15 +52,6 @@ COMMANDS = {
 """Samples by which the sum of a velocity command lags its integral, if added up after its use."""
 
 
-def moved_command(gains: Mapping[str, float], T_s: float, samples: float) -> dict[str, float]:
-    """Return gains with which the position command is that of some samples before.
-
-    Of the command x the part T v is the same as less feedforward of the velocity v.
-    """
-    ahead = gains.get("velocity_feedforward", 1.0) - samples * gains.get("T_s", T_s) * gains["K_x"]
-    return {**gains, "velocity_feedforward": ahead}
-
-
 def _time_constant(low_pass: str, tau_f: float, T_s: float) -> float:
     """Return tau_f [s] of the exact low-pass that weighs its input as a difference quotient does.
 
@@ -161,12 +152,14 @@ def check_controller(
         checks = [compared(trial, form) for form, trial in trials.items()]
         check = _believed(checks[0], min(checks, key=lambda check: check.error))
         if check.error > control_match.EXACT and gains.get("K_x"):
-            late = [check]
+            late, own = [check], trials[check.form]
             for form, samples in COMMANDS.items():
-                moved = moved_command(trials[check.form], T_s, samples)
-                if moved["velocity_feedforward"] >= 0.0:
+                # Of the command x the part T v is the same as less feedforward of the velocity v.
+                lead = samples * own.get("T_s", T_s) * own["K_x"]
+                share = own.get("velocity_feedforward", 1.0) - lead
+                if share >= 0.0:
                     named = ", ".join(filter(None, (check.form, form)))
-                    late.append(compared(moved, named))
+                    late.append(compared({**own, "velocity_feedforward": share}, named))
             check = _believed(check, min(late, key=lambda one: one.error))
         if check.error > control_match.EXACT and "u_max" not in gains and check.form in trials:
             form = ", ".join(filter(None, (check.form, LIMITED)))

@@ -112,7 +112,7 @@ class InverseModel(Criterion):
         self._runs = [
             Runs(friction_run(fmus, self.motion.v[log], self.T_s), workers) for log in self.logs
         ]
-        self.runs = self._runs[0]
+        self.runs, self.held = self._runs[0], self._runs
         between = np.ones_like(self.moves)
         for log in self.logs:
             between[log] = False
@@ -150,11 +150,6 @@ class InverseModel(Criterion):
             results = runs.results([Run(one, inputs) for one in every])
             found[:, log] = [run["compensator.F_f"] * self.factor[log] for run in results]
         return list(found)
-
-    def close(self) -> None:
-        """Free the FMUs."""
-        for runs in self._runs:
-            runs.close()
 
     def predicted(self, values: Values) -> Array:
         """Return the force (n,) [N] that the values predict for the motion, low-passed."""

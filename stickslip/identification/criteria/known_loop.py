@@ -79,12 +79,12 @@ Signals = cosim.Result | Mapping[str, Array]
 
 
 class Point(NamedTuple):
-    """Arguments of ``KnownLoop.run``."""
+    """What a run is made with."""
 
-    values: Values
-    further: Mapping[str, float] = NOTHING
-    feedforward: Array | float = 0.0
-    offset: float = 0.0
+    values: Values  # in the drive
+    further: Mapping[str, float] = NOTHING  # of this run only, as ``candidate.noise_x``
+    feedforward: Array | float = 0.0  # (n,) force of a compensator from each sample on [N]
+    offset: float = 0.0  # by which the drive, and so the encoder's steps, are displaced [m]
 
 
 class KnownLoop(Closing):
@@ -111,20 +111,20 @@ class KnownLoop(Closing):
             )
             for one in recording.pieces
         ]
+        self.held = self._logs
 
     def run(
         self,
         values: Values,
-        further: Mapping[str, float] = NOTHING,  # of this run only, as ``candidate.noise_x``
-        feedforward: Array | float = 0.0,  # (n,) force of a compensator from each sample on [N]
-        offset: float = 0.0,  # by which the drive, and so the encoder's steps, are displaced [m]
+        further: Mapping[str, float] = NOTHING,
+        feedforward: Array | float = 0.0,
     ) -> Signals:
-        """Run the experiment with these values in the drive; return signals (n,) by name."""
-        return self.results([Point(values, further, feedforward, offset)])[0]
+        """Run the experiment of a ``Point``; return signals (n,) by name."""
+        return self.results([Point(values, further, feedforward)])[0]
 
     def results(self, points: Sequence[Point]) -> list[Signals]:
         """Return what ``run`` does of each point; they are run side by side."""
-        found = [one.runs.results([one.arguments(*at) for at in points]) for one in self._logs]
+        found = [one.runs.results([one.arguments(at) for at in points]) for one in self._logs]
         if len(self._logs) == 1:
             return list(found[0])
         return [self._joined(runs) for runs in zip(*found, strict=True)]
@@ -151,11 +151,6 @@ class KnownLoop(Closing):
         result = self.run(values, further, feedforward)
         require_bounded(result["candidate.v"], self._speed)
         return result
-
-    def close(self) -> None:
-        """Free the FMUs."""
-        for one in self._logs:
-            one.close()
 
 
 SIGNALS = ("candidate.x", "candidate.v", "candidate.x_enc", "candidate.F_m", "controller.u")
@@ -201,6 +196,7 @@ class _LogLoop(Closing):
             system, step=recording.T_s, stop=(len(recording.t) - 1) * recording.T_s, record=SIGNALS
         )
         self.runs = Runs(specification, workers)
+        self.held = [self.runs]
         self._added = memory_force(gains, len(recording.t), recording.T_s)
         if recording.known_force is not None:
             self._added -= recording.known_force
@@ -208,15 +204,10 @@ class _LogLoop(Closing):
         self._first = None if force is None else float(measured_force(recording)[0])
         self._states = cosim.Fmu(fmus / "drive.fmu").variables.keys()
 
-    def arguments(
-        self,
-        values: Values,
-        further: Mapping[str, float],
-        feedforward: Array | float,
-        offset: float,
-    ) -> Run:
+    def arguments(self, point: Point) -> Run:
         """Return the run of a point."""
-        parameters = {**candidate(values), **further}
+        values, offset = point.values, point.offset
+        parameters = {**candidate(values), **point.further}
         parameters["candidate.m"] += self._load
         if offset:
             parameters["candidate.x"] = self._start + offset
@@ -225,7 +216,7 @@ class _LogLoop(Closing):
             for name, state in STATES.items():
                 if name in self._states:
                     parameters[f"candidate.{name}"] = state(held, values)
-        F_ff = self._inputs["F_ff"] + self._added - values["F_0"] + feedforward
+        F_ff = self._inputs["F_ff"] + self._added - values["F_0"] + point.feedforward
         return Run(parameters, {**self._inputs, "F_ff": F_ff})
 
 
@@ -273,6 +264,7 @@ class OutputError(Criterion):
         self.t = recording.t
         self.position = position_of(recording)
         self.loop = KnownLoop(fmus, recording, gains, workers=workers)
+        self.held = [self.loop]
         # Whitening changes, but the positions that values give do not.
         self._simulated = Recent(self._simulate)
         self.step = recording.encoder_step
@@ -301,10 +293,6 @@ class OutputError(Criterion):
         points = list(points)
         self._simulated([tuple(values.items()) for values in points])
         return [self.residual(values) for values in points]
-
-    def close(self) -> None:
-        """Free the FMUs."""
-        self.loop.close()
 
     def white(self, raw: Array) -> Array:
         """Whiten a residual (n,) and leave out its start, (k,)."""

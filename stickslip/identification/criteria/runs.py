@@ -11,33 +11,31 @@ from typing import Generic, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip import cosim, models
+from stickslip import cosim
 from stickslip.catalog.parameters import ParameterSpace, Values
 from stickslip.cosim.signals.signals import Input
 from stickslip.fmi.process import Threads, temporary_folder
 from stickslip.servo.lanes import FEWEST, Lanes, Run, lanes_of
 from stickslip.servo.measurement import Array
+from stickslip.servo.systems import build_fmus
 from stickslip.thresholds import loop_fit
 
 
 class Closing:
-    """Closes itself when a ``with`` block ends."""
+    """Closes itself and what it holds when a ``with`` block ends."""
 
-    runs: "Runs"  # that it holds
+    held: "Sequence[Closing]" = ()
 
     def close(self) -> None:
         """Free the FMUs."""
-        self.runs.close()
+        for one in self.held:
+            one.close()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-
-CONTROLLER = "velocity_controller"
-MODELS = ("compensator", "drive", CONTROLLER)
 
 
 @contextmanager
@@ -47,8 +45,7 @@ def candidate_fmus(law: str = "lugre") -> Iterator[Path]:
     They contain nothing of the drive that made a recording, not even which of its extras are on.
     """
     with temporary_folder() as folder:
-        for name in MODELS:
-            models.build_fmu(name, folder, law=law if name != CONTROLLER else None)
+        build_fmus(folder, {"law": law}, law, ("compensator", "drive", "velocity_controller"))
         yield folder
 
 
@@ -144,9 +141,9 @@ class Criterion(Closing):
     def residual(self, values: Values) -> Array:
         """Return the difference that the values leave (n,)."""
 
+    @abstractmethod
     def map(self, points: Iterable[Values]) -> list[Array]:
-        """Return the residuals of several points, as many at a time as the runs have workers."""
-        return self.runs.each(self.residual, list(points))
+        """Return the residuals of several points, whose runs are made side by side."""
 
     def over(self, space: ParameterSpace) -> Self:
         """Return the same criterion over another space; it shares the FMUs."""

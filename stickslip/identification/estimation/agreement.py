@@ -99,10 +99,9 @@ def _differences(inverse: InverseModel, values: Values, k: int) -> Iterator[str]
     errors = covariance(x, force[used] - x @ factors).diagonal() ** 0.5
     for name, factor, error in zip(columns, factors.tolist(), errors.tolist(), strict=True):
         if name == "constant force":
-            apart, unit = factor - values["F_0"] / values["F_c"], "F_c more"
+            apart = shown = factor - values["F_0"] / values["F_c"]
+            unit = "F_c more"
         else:
-            apart, unit = factor - 1.0, "times as large"
-            factor = apart + 1.0
+            apart, shown, unit = factor - 1.0, factor, "times as large"
         if abs(apart) > max(agreement.DIFFERS, 2.0 * error):
-            shown = apart if unit == "F_c more" else factor
             yield f"{name} is {shown:.3g} {unit} (+-{2.0 * error:.2g})"

@@ -15,43 +15,9 @@ from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.identifiability import Identifiability
 from stickslip.identification.fitting.start import Start
 from stickslip.identification.selection.choice import Choice
-from stickslip.identification.sliding.friction_curve import FrictionCurve
 from stickslip.identification.sliding.position_force import PositionForce
 from stickslip.logs import Finding, Recording
 from stickslip.models import Law
-
-
-@dataclass(frozen=True)
-class FittedLaw:
-    """The law that was fitted to a recording, with the drive's mass and viscous friction."""
-
-    fit: Fit  # with coordinates, residual and covariance
-    known: dict[str, Identifiability]  # identifiability by name: the law's parameters, m and b
-    parameters: dict[str, float]  # all values by name, SI
-    errors: dict[str, float]  # their standard errors, SI
-    profiles: pd.DataFrame  # see ``identifiability.profiles``
-    # all values by name that the recording supports: the fit's, and draws from its covariance
-    plausible: tuple[Mapping[str, float], ...] = ()
-    largest_friction: float = float("inf")  # at standstill and creep in the recording [N]
-
-    def restored(self, scale: Scale) -> "FittedLaw":
-        """Return the values of a scaled recording in SI units; ``fit`` stays scaled."""
-        sizes = ("value", "standard_error", "low", "high")
-        known = {
-            name: replace(one, **{size: getattr(one, size) / scale.of(name) for size in sizes})
-            for name, one in self.known.items()
-        }
-        profiles = self.profiles.copy()
-        profiles["value"] /= profiles["parameter"].map(scale.of)
-        return replace(
-            self,
-            known=known,
-            parameters=scale.restored(self.parameters),
-            errors=scale.restored(self.errors),
-            profiles=profiles,
-            plausible=tuple(map(scale.restored, self.plausible)),
-            largest_friction=self.largest_friction / scale.force,
-        )
 
 
 @dataclass(frozen=True)
@@ -62,43 +28,26 @@ class Estimation:
     criterion: str  # that of the result
     reason: str  # why it is that
     start: Start  # a straight line through the force, and the friction curve without a law
-    fitted: FittedLaw  # the law with its values
+    fit: Fit  # of the law, with coordinates, residual and covariance
+    known: dict[str, Identifiability]  # identifiability by name: the law's parameters, m and b
+    # all values by name, in SI units; the delay is that of the force, beyond the log's own
+    parameters: dict[str, float]
+    errors: dict[str, float]  # their standard errors, in SI units
+    profiles: pd.DataFrame  # see ``identifiability.profiles``
     searched: ga.Optimiser  # the global search that came before the fit, on the scaled recording
     held_out: HeldOut  # what the law, and others that were tried, predict there
     figures: GoodnessOfFit  # goodness of fit
     controller: ControllerCheck | None  # the check of the controller; None when it is not known
     model_error: float  # residual of the loop over that from encoder and noise, or NaN
+    # all values by name that the recording supports: the fit's, and draws from its covariance
+    plausible: tuple[Mapping[str, float], ...] = ()
+    largest_friction: float = float("inf")  # at standstill and creep in the recording [N]
     gains: Mapping[str, float] | None = None  # of the controller FMU by name; None if unknown
     remarks: tuple[str, ...] = ()  # changes made to the recording
     faults: tuple[Finding, ...] = ()  # of the task, or found: no parameter is identifiable
     choice: Choice | None = None  # of the law among all; None where the law was given
     # known beside mass and friction: gravity and cogging, in SI units; None for none
     position_force: PositionForce | None = None
-
-    @property
-    def fit(self) -> Fit:
-        """The fit of the law, with coordinates, residual and covariance."""
-        return self.fitted.fit
-
-    @property
-    def known(self) -> dict[str, Identifiability]:
-        """Identifiability by name: the law's parameters, m and b."""
-        return self.fitted.known
-
-    @property
-    def parameters(self) -> dict[str, float]:
-        """All values by name, in SI units."""
-        return self.fitted.parameters
-
-    @property
-    def friction_curve(self) -> FrictionCurve | None:
-        """Friction against speed without a law; None where the drive slides too little."""
-        return self.start.curve
-
-    @property
-    def F_0(self) -> float:  # noqa: N802 - the symbol
-        """Constant force against the motor [N]."""
-        return self.parameters["F_0"]
 
     @property
     def law(self) -> Law:
@@ -115,23 +64,29 @@ class Estimation:
         """The compensator's parameters by name, in SI units: those of the law."""
         return {name: value for name, value in self.parameters.items() if name not in DRIVE}
 
-    @property
-    def delay(self) -> float:
-        """Of the force, beyond the log's own [s]."""
-        return self.parameters["delay"]
-
 
 def restored(estimation: Estimation, scale: Scale) -> Estimation:
     """Return the estimation of a scaled recording in SI units; ``fit`` stays scaled."""
     if scale == SI:
         return estimation
     back = Scale(1.0 / scale.force, 1.0 / scale.length)
-    check = estimation.controller
+    check, sizes = estimation.controller, ("value", "standard_error", "low", "high")
+    known = {
+        name: replace(one, **{size: getattr(one, size) / scale.of(name) for size in sizes})
+        for name, one in estimation.known.items()
+    }
+    profiles = estimation.profiles.copy()
+    profiles["value"] /= profiles["parameter"].map(scale.of)
     return replace(
         estimation,
         recording=back.recording(estimation.recording),
         start=estimation.start.restored(scale),
-        fitted=estimation.fitted.restored(scale),
+        known=known,
+        parameters=scale.restored(estimation.parameters),
+        errors=scale.restored(estimation.errors),
+        profiles=profiles,
+        plausible=tuple(map(scale.restored, estimation.plausible)),
+        largest_friction=estimation.largest_friction / scale.force,
         figures=estimation.figures.scaled(back),
         controller=check
         and replace(check, force=check.force / scale.force, gains=scale.restored(check.gains)),

@@ -19,7 +19,7 @@ from stickslip.identification.criteria.goodness_of_fit import goodness_of_fit
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop, OutputError
 from stickslip.identification.estimation.agreement import contradictions
-from stickslip.identification.estimation.estimation import Estimation, FittedLaw, restored
+from stickslip.identification.estimation.estimation import Estimation, restored
 from stickslip.identification.estimation.faults import (
     change_of_friction,
     check_held_out,
@@ -30,7 +30,6 @@ from stickslip.identification.estimation.task import Task, choose
 from stickslip.identification.fitting import bootstrap
 from stickslip.identification.fitting.fit import (
     BLOCKS,
-    DRAWS,
     ROUGH,
     Fit,
     fit,
@@ -166,15 +165,13 @@ def _learn(task: Task, scale: motion.Scale, progress: Progress) -> Estimation:
         criterion=criterion,
         reason=reason,
         start=start,
-        fitted=FittedLaw(
-            fit=best,
-            known=known,
-            parameters=values,
-            errors=errors,
-            profiles=table,
-            plausible=plausible(best, task.settings.seed, DRAWS),
-            largest_friction=largest,
-        ),
+        fit=best,
+        known=known,
+        parameters=values,
+        errors=errors,
+        profiles=table,
+        plausible=plausible(best, task.settings.seed),
+        largest_friction=largest,
         searched=searched,
         held_out=held_out,
         figures=goodness,

@@ -70,11 +70,11 @@ class Fit:
 DRAWS = 3  # draws from the covariance of a fit, on which a compensator is tried
 
 
-def plausible(fitted: Fit, seed: int, count: int) -> tuple[dict[str, float], ...]:
+def plausible(fitted: Fit, seed: int) -> tuple[dict[str, float], ...]:
     """Return the values by name of a fit, and of draws from its covariance."""
     space, rng = fitted.space, np.random.default_rng(seed)
     mean, spread = np.zeros(len(fitted.q)), fitted.covariance
-    draws = rng.multivariate_normal(mean, spread, count, check_valid="ignore")  # its rounding
+    draws = rng.multivariate_normal(mean, spread, DRAWS, check_valid="ignore")  # its rounding
     points = np.clip(fitted.q + np.clip(draws, -FAR, FAR), space.lower, space.upper)
     return tuple(space.decode(q) for q in (fitted.q, *points))
 
@@ -199,5 +199,5 @@ def covariance(jacobian: Array, residual: Array, space: ParameterSpace) -> Array
 
 
 def _prior_information(space: ParameterSpace) -> Array:
-    known = np.isfinite(space.prior_deviation)
-    return np.where(known, 1.0 / space.prior_deviation, 0.0) ** 2
+    """Return the inverse variances (k,) of the priors, 0 where there is none."""
+    return np.asarray((1.0 / space.prior_deviation) ** 2)

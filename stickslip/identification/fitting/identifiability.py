@@ -68,12 +68,11 @@ def of_sliding(
     known: dict[str, Identifiability], sliding: Mapping[str, Interval], space: ParameterSpace
 ) -> dict[str, Identifiability]:
     """Return the same with the values that sliding motion shows without a law, by name."""
-    found = {
+    return known | {
         name: _classified(name, interval, space)
         for name, interval in sliding.items()
         if name in known
     }
-    return {**known, **found}
 
 
 def among_laws(
@@ -196,8 +195,7 @@ class _Information:
         jacobian = np.where(self.loose, 0.0, fitted.jacobian)
         self.frozen = inverse_information(jacobian, fitted.noise, u)  # of those not loose
         self.frozen[self.loose], self.frozen[:, self.loose] = 0.0, 0.0
-        known = np.isfinite(u.prior_deviation)
-        self.weight = np.where(known, 1.0 / u.prior_deviation**2, 0.0)  # of the priors
+        self.weight = 1.0 / u.prior_deviation**2  # of the priors, 0 where there is none
         self.least = self.loss(rest, fitted.q)
 
     def loss(self, rest: Array, q: Array) -> float:

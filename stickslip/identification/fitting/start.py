@@ -11,8 +11,8 @@ from stickslip.errors import IdentificationError
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.motion import SI, Scale, measured_force, position_of
 from stickslip.identification.sliding.friction_curve import FrictionCurve, Interval, friction_curve
-from stickslip.identification.sliding.rows import Span, spans_of
 from stickslip.logs import Finding, Recording
+from stickslip.logs.recording import Segment
 from stickslip.servo.measurement import level
 from stickslip.thresholds import curve_shown, identifiable
 
@@ -192,25 +192,19 @@ def _curve(model: InverseModel, recording: Recording, delay: float) -> FrictionC
     if model.measures_friction:
         return None
     signals = (position_of(recording).tobytes(), measured_force(recording).tobytes())
-    step, spans = recording.encoder_step, spans_of(recording)
     factor = None if recording.friction_factor is None else recording.friction_factor.tobytes()
-    return _curve_of(*signals, recording.T_s, step, delay=delay, spans=spans, factor=factor)
+    step, logs = recording.encoder_step, recording.segments
+    known = {"T_s": recording.T_s, "step": step, "delay": delay}
+    return _curve_of(*signals, logs=logs, factor=factor, **known)
 
 
 @lru_cache(1)  # every law that is compared asks for that of the same signals
 def _curve_of(
-    position: bytes,
-    force: bytes,
-    T_s: float,
-    step: float,
-    *,
-    delay: float,
-    spans: tuple[Span, ...],
-    factor: bytes | None,
+    *signals: bytes, logs: tuple[Segment, ...], factor: bytes | None, **known: float
 ) -> FrictionCurve | None:
-    signals = np.frombuffer(position), np.frombuffer(force)
+    position, force = map(np.frombuffer, signals)
     factors = None if factor is None else np.frombuffer(factor)
-    return friction_curve(*signals, T_s, step, delay=delay, spans=spans, factor=factors)
+    return friction_curve(position, force, logs=logs, factor=factors, **known)
 
 
 def _massless(m: float, error: float, figure: str) -> tuple[Finding, ...]:

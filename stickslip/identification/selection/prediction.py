@@ -16,7 +16,6 @@ from stickslip.identification.criteria.motion import Scale, against_motion, reco
 from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.fitting.fit import (
     BLOCKS,
-    DRAWS,
     ROUGH,
     Fit,
     fit,
@@ -49,10 +48,6 @@ class Candidate:
             return self.law.title
         held = (f"{name} = {bound}" for name, bound in ParameterSpace.of(self.law).bounded.items())
         return f"{self.law.title} with {', '.join(held)}"
-
-    def restricted(self, space: ParameterSpace) -> ParameterSpace:
-        """Return the space in which this candidate is estimated."""
-        return space.level() if self.is_level else space
 
 
 def candidates() -> tuple[Candidate, ...]:
@@ -178,7 +173,7 @@ def predict(
         squares=mean_squares(residual, everywhere),
         shown=_shown(fitted),
         moving=moving(inverse, fitted.parameters, residual, split),
-        plausible=plausible(fitted, 0, DRAWS),
+        plausible=plausible(fitted, 0),
     )
 
 
@@ -221,11 +216,10 @@ def _without(inverse: InverseModel, fitted: Fit, fold: Fold) -> Array:
             np.sum(space.prior_residual(q) ** 2)
         )
 
-    known = np.isfinite(space.prior_deviation)
-    weight = np.where(known, space.prior_deviation, np.inf) ** -2.0
+    weight = space.prior_deviation**-2.0  # 0 where there is no prior
     q, rest = fitted.q, fitted.residual
     for share in STEPS:
-        pull = np.where(known, weight * (q - space.prior_mean), 0.0)
+        pull = weight * (q - space.prior_mean)
         step = matrix @ (rows.T @ rest[used] / variance + pull)
         trial = np.clip(q - share * np.where(free, step, 0.0), space.lower, space.upper)
         left = inverse.residual(space.decode(trial))
@@ -238,7 +232,7 @@ def _fitted(inverse: InverseModel, candidate: Candidate, scale: Scale) -> Fit:
     """Return the fit from the best of several points, which are compared on fewer rows."""
     recording = inverse.recording
     start = begin(inverse, recording, scale)
-    space = candidate.restricted(start.space)
+    space = start.space.level() if candidate.is_level else start.space
     cutoff, law, q = inverse.cutoff, candidate.law, THIN * inverse.q
     with InverseModel(inverse.fmus, recording, cutoff, law=law, q=q) as thin:
         criterion = thin.over(space)

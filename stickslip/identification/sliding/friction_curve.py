@@ -28,8 +28,8 @@ from stickslip.identification.sliding.rows import (
     GUARDS,
     KNOTS,
     SLOWEST,
+    Design,
     Rows,
-    Span,
     first_samples,
     hats,
     shifted,
@@ -37,6 +37,7 @@ from stickslip.identification.sliding.rows import (
     together,
 )
 from stickslip.identification.sliding.stribeck import EXPONENTS, rise
+from stickslip.logs.recording import Segment
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import curve_shown
 
@@ -115,22 +116,21 @@ def friction_curve(
     step: float,
     *,
     delay: float = 0.0,
-    spans: Sequence[Span] = (),
+    logs: Sequence[Segment] = (),
     factor: Array | None = None,
 ) -> FrictionCurve | None:
     """Estimate the friction curve of a recording, None where the drive slides too little.
 
     Position [m] and force [N] are (n,), with this step of the position [m]; the force has about
-    this delay [s], which is fitted beside the rest. The spans are those of the logs; by default
+    this delay [s], which is fitted beside the rest. The logs are those that are joined; by default
     it is a single one. Friction is that where its factor (n,) is 1.
     """
-    spans = spans or (Span(0, len(position)),)
     if len(position) < 8 * curve_shown.ROWS:
         return None
     force, noise = shifted(force, T_s, delay), position_noise(position, step)
 
     def rows(first: int, share: float) -> list[_Rows]:
-        of = partial(_Rows, position, force, T_s, noise, spans=spans, share=share, factor=factor)
+        of = partial(_Rows, position, force, T_s, noise, logs=logs, share=share, factor=factor)
         return [of(q=q) for q in (first, 2 * first)]
 
     first = first_samples(position, T_s, noise)
@@ -240,22 +240,16 @@ class _Rows(Rows):
         if design is None:
             return None
         found = design.fitted()
-        typical = float(np.median(design.speed))
-        return (
-            *_quantities(found, design.size, design.knots, speeds, typical=typical),
-            *sizes(found, design.groups, VARYING),
-        )
+        return *_quantities(found, design, speeds), *sizes(found, design.groups, VARYING)
 
 
-def _quantities(
-    found: Regression, size: float, knots: Array, speeds: Array, typical: float
-) -> tuple[Array, Array]:
+def _quantities(found: Regression, design: Design, speeds: Array) -> tuple[Array, Array]:
     """Return m, b, F_0 and friction at speeds (k,), together (3 + k,), and their covariance."""
     weights = np.zeros((3 + len(speeds), len(found.coefficients)))
-    for row, name in enumerate(("m", "b", "F_0")):
+    for row, name in enumerate(("m", "b")):
         weights[row, FIXED.index(name)] = 1.0
-    weights[2, found.places["asymmetry"]] = size * hats(np.log([typical]), knots)[0]
+    weights[2] = design.usual(found, "F_0", "asymmetry")
     weights[3:, FIXED.index("F_c")] = 1.0
     weights[3:, FIXED.index("b")] = speeds
-    weights[3:, found.places["curve"]] = size * hats(np.log(speeds), knots)
+    weights[3:, found.places["curve"]] = design.size * hats(np.log(speeds), design.knots)
     return weights @ found.coefficients, weights @ found.covariance @ weights.T

@@ -18,7 +18,6 @@ from stickslip.identification.sliding.rows import (
     SLOWEST,
     Rows,
     hats,
-    spans_of,
 )
 from stickslip.logs import Finding, Recording
 from stickslip.thresholds import agreement, curve_shown, log_content
@@ -33,9 +32,8 @@ def with_log_offsets(recording: Recording) -> tuple[Recording, tuple[Finding, ..
         return recording, ()
     position, force, T_s = position_of(recording), measured_force(recording), recording.T_s
     q = max(2, len(position) // ENOUGH + 1)
-    spans = spans_of(recording)
     noise = position_noise(position, recording.encoder_step)
-    rows = Rows(position, force, T_s, noise, spans=spans, q=q, share=SLOWEST)
+    rows = Rows(position, force, T_s, noise, logs=recording.segments, q=q, share=SLOWEST)
     used = rows.used(DISTANCES[0], GUARDS[0])
     ahead = rows.ahead[used]
     of = rows.belongs[used]

@@ -31,15 +31,13 @@ from stickslip.identification.sliding.rows import (
     SLOWEST,
     Design,
     Rows,
-    Span,
     first_samples,
-    hats,
     shifted,
     sizes,
-    spans_of,
     together,
 )
 from stickslip.logs import Recording
+from stickslip.logs.recording import Segment
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import curve_shown, position_force
 
@@ -71,14 +69,6 @@ class PositionForce:
     def values(self) -> dict[str, float]:
         """Their values by name."""
         return {name: one.value for name, one in self.terms.items()}
-
-    def __call__(self, x: Array) -> Array | None:
-        """Return what varies along positions (n,), without F_0 [N]; None where nothing does."""
-        return varying(self.values, x)
-
-    def factor(self, x: Array) -> Array | None:
-        """Return by what the weight multiplies friction at positions (n,); None for 1."""
-        return friction_factor(self.values, x)
 
 
 def block_parameters(values: Mapping[str, float]) -> dict[str, float]:
@@ -125,11 +115,17 @@ def _columns(x: Array, orders: Sequence[int], pitch: float, *, gravity: bool) ->
 
 def with_position_force(recording: Recording, found: PositionForce | None = None) -> Recording:
     """Return a recording whose force of position is known: one found before, or what it shows."""
-    found, t, x = found or find_position_force(recording), recording.t, position_of(recording)
+    found = found or find_position_force(recording)
     if found is None:
         return replace(recording, known_force=None, friction_factor=None)
-    x = np.interp(t + found.delay, t, x)
-    return replace(recording, known_force=found(x), friction_factor=found.factor(x))
+    return with_known_force(recording, found.values, found.delay)
+
+
+def with_known_force(recording: Recording, values: Mapping[str, float], delay: float) -> Recording:
+    """Return a recording whose force of position has these values, and this delay [s]."""
+    x = np.interp(recording.t + delay, recording.t, position_of(recording))
+    factor = friction_factor(values, x)
+    return replace(recording, known_force=varying(values, x), friction_factor=factor)
 
 
 def find_position_force(recording: Recording) -> PositionForce | None:
@@ -137,16 +133,17 @@ def find_position_force(recording: Recording) -> PositionForce | None:
     if recording.force is None or len(recording.t) < 8 * curve_shown.ROWS:
         return None
     signals = (position_of(recording).tobytes(), recording.force.tobytes())
-    step, spans = recording.encoder_step, spans_of(recording)
-    return _found(*signals, recording.T_s, step, rotary=recording.rotary, spans=spans)
+    step, logs = recording.encoder_step, recording.segments
+    return _found(*signals, T_s=recording.T_s, step=step, rotary=recording.rotary, logs=logs)
 
 
 @lru_cache(1)  # checks and learning ask for that of the same signals
 def _found(
-    position: bytes, force: bytes, T_s: float, step: float, *, rotary: bool, spans: tuple[Span, ...]
+    *signals: bytes, T_s: float, step: float, rotary: bool, logs: tuple[Segment, ...]
 ) -> PositionForce | None:
     with threadpool_limits(limits=1, user_api="blas"):  # sums that are split round differently
-        log = _Log(np.frombuffer(position), np.frombuffer(force), T_s, step, spans=spans)
+        position, force = map(np.frombuffer, signals)
+        log = _Log(position, force, T_s, step, logs=logs)
         return _shown(log, rotary=rotary)
 
 
@@ -344,14 +341,14 @@ class _Log:
         T_s: float,
         step: float,
         *,
-        spans: tuple[Span, ...],
+        logs: tuple[Segment, ...],
         delay: float = 0.0,  # of the force, which is taken out [s]
     ) -> None:
         self.position, self.force, self.T_s, self.step = position, force, T_s, step
-        self.spans, self.delay, noise = spans, delay, position_noise(position, step)
+        self.logs, self.delay, noise = logs, delay, position_noise(position, step)
         first, own = first_samples(position, T_s, noise), shifted(force, T_s, delay)
         self.rows = [
-            Rows(position, own, T_s, noise, spans=spans, q=q, share=SLOWEST)
+            Rows(position, own, T_s, noise, logs=logs, q=q, share=SLOWEST)
             for q in (first, 2 * first)
         ]
         self.plain = self.rows[0].design(DISTANCES[0], GUARDS[0])
@@ -371,7 +368,7 @@ class _Log:
             if name != "ripple"
         )
         m, b = (c[FIXED.index(name)] for name in ("m", "b"))
-        F_0 = float(_offset(design) @ c)
+        F_0 = float(design.usual(found, "F_0", "asymmetry") @ c)
         ahead = rows.ahead[design.used]
         moving = m * rows.a[design.used] + b * rows.v[design.used]
         friction = float(np.mean(ahead * (rigid + other - moving - F_0)))
@@ -394,7 +391,7 @@ class _Log:
             if abs(late) < 0.5 * self.T_s:
                 break
             signals = (self.position, self.force, self.T_s, self.step)
-            log = _Log(*signals, spans=self.spans, delay=log.delay + late)
+            log = _Log(*signals, logs=self.logs, delay=log.delay + late)
         return log, terms
 
     def refined(self, terms: _Terms) -> tuple[_Terms, float] | None:
@@ -411,7 +408,8 @@ class _Log:
             late = float(found.coefficients[FIXED.index("delay")]) * self.rows[0].T
             if not terms.orders:
                 before, terms = terms, replace(terms, coefficients=tuple(c.tolist()))
-                if terms.loads and not _is_near(before, terms):
+                old, new = (np.array(one.coefficients[:2]) for one in (before, terms))
+                if terms.loads and not np.linalg.norm(new - old) < NEAR * np.linalg.norm(new):
                     continue
                 return terms, late
             terms = replace(terms, coefficients=tuple(c[:-1].tolist()))
@@ -437,13 +435,14 @@ class _Log:
                 return None
             found = self._fitted(design)
             own = slice(len(FIXED), design.fixed.shape[1])
-            offset = _offset(design)
+            offset = design.usual(found, "F_0", "asymmetry")
             c, covariance = found.coefficients, found.covariance
             row, variance = [offset @ c, *c[own]], [offset @ covariance @ offset]
             variance += np.diag(covariance)[own].tolist()
             if terms.loads:
                 mean = float(terms.weight(rows.x)[design.used].mean())
-                level = _usual(design, "F_c", "curve")  # Coulomb friction without a mean weight
+                # Coulomb friction without a mean weight
+                level = design.usual(found, "F_c", "curve")
                 level[len(FIXED) + 2] = -mean
                 row.insert(4, level @ c)
                 variance.insert(4, level @ covariance @ level)
@@ -487,33 +486,6 @@ class _Log:
             if halves:
                 groups["beside"] = size * rows.waves(sorted(halves))[used]
         return replace(design, fixed=np.column_stack([design.fixed, *own]), groups=groups)
-
-
-def _is_near(one: _Terms, other: _Terms) -> bool:
-    """Whether the weights of arms are alike, as friction over them needs it."""
-    before, now = (np.array(terms.coefficients[:2]) for terms in (one, other))
-    return bool(np.linalg.norm(now - before) < NEAR * np.linalg.norm(now))
-
-
-def _offset(design: Design) -> Array:
-    """Return the weights (k,) of the coefficients of a regression that give F_0.
-
-    It has half the difference of friction forward and backward at the usual speed, which an
-    asymmetry over speed is a part of.
-    """
-    return _usual(design, "F_0", "asymmetry")
-
-
-def _usual(design: Design, name: str, group: str) -> Array:
-    """Return the weights (k,) that give a coefficient with a group over speed, at the usual one."""
-    count = [one.shape[1] for one in design.groups.values()]
-    weights = np.zeros(design.fixed.shape[1] + sum(count))
-    weights[FIXED.index(name)] = 1.0
-    place = list(design.groups).index(group)
-    begin = design.fixed.shape[1] + sum(count[:place])
-    typical = np.log([np.median(design.speed)])
-    weights[begin : begin + count[place]] = design.size * hats(typical, design.knots)[0]
-    return weights
 
 
 def _size(design: Design, found: Regression, part: slice) -> tuple[float, float]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 
 from stickslip.identification.criteria.motion import SHARE, means, samples_per_row
 from stickslip.identification.sliding.regression import Regression, regress
-from stickslip.logs import Recording
+from stickslip.logs.recording import Segment
 from stickslip.servo.measurement import Array, derivative, smoothed
 from stickslip.thresholds import curve_shown
 
@@ -61,18 +60,17 @@ class Design:
         """Return the regression, see ``regress``."""
         return regress(self.force, self.fixed, self.groups, self.classes, least=least)
 
+    def usual(self, found: Regression, name: str, group: str) -> Array:
+        """Return the weights (k,) of a coefficient with a group over speed, at the usual speed.
 
-class Span(NamedTuple):
-    """Where one log is in a recording, and the mass that it moves beside that of the drive [kg]."""
-
-    begin: int
-    end: int
-    load: float = 0.0
-
-
-def spans_of(recording: Recording) -> tuple[Span, ...]:
-    """Return those of the logs that a recording joins; none where it is a single one."""
-    return tuple(Span(one.begin, one.end, one.load) for one in recording.segments)
+        F_0 has half the difference of friction forward and backward at the usual speed, which an
+        asymmetry over speed is a part of.
+        """
+        weights = np.zeros_like(found.coefficients)
+        weights[FIXED.index(name)] = 1.0
+        typical = np.log([np.median(self.speed)])
+        weights[found.places[group]] = self.size * hats(typical, self.knots)[0]
+        return weights
 
 
 class Rows:
@@ -87,7 +85,7 @@ class Rows:
         *,
         q: int,
         share: float,
-        spans: Sequence[Span] = (),  # of the logs; by default it is a single one
+        logs: Sequence[Segment] = (),  # that are joined; by default it is a single one
         factor: Array | None = None,  # (n,) of friction; by default 1
     ) -> None:
         self.q, self.T, self.cutoff = q, q * T_s, SHARE / (q * T_s)
@@ -96,9 +94,9 @@ class Rows:
         self.a = derivative(self.v, self.T)
         self.force = self.of_samples(force)
         self.factor = np.ones_like(self.x) if factor is None else self.of_samples(factor)
-        spans = spans or (Span(0, len(position)),)
-        self.logs = [slice(-(-one.begin // q), one.end // q) for one in spans]
-        for log, one in zip(self.logs, spans, strict=True):
+        logs = logs or (Segment(0, len(position), ""),)
+        self.logs = [slice(-(-one.begin // q), one.end // q) for one in logs]
+        for log, one in zip(self.logs, logs, strict=True):
             self.force[log] -= one.load * self.a[log]
         own = noise * 2.0 * np.pi * self.cutoff * np.sqrt(2.0 * self.cutoff * T_s)
         self.top, noisy = float(np.quantile(np.abs(self.v), 0.99)), NOISY * own

@@ -119,7 +119,7 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
             "table2": reproduction.table2(),
             "table4": reproduction.validation.table(),
             "fitness": estimation.searched.convergence(),
-            "profiles": estimation.fitted.profiles,
+            "profiles": estimation.profiles,
         }
         write_tables(tables, staging)
         _write_log(estimation.recording, staging)

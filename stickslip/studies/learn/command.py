@@ -279,7 +279,7 @@ def print_estimation(estimation: Estimation, predicted: Sequence[PredictedLog] =
         meant = "exponent of the Stribeck curve, 1 or 2" if name == "delta" else one.description
         print(f"{name:8} {value:12.6g} {one.unit:9} {meant}")
     force = unit_of("F_c", rotary=rotary)
-    errors = estimation.fitted.errors
+    errors = estimation.errors
     for label, name, unit, what in (
         ("offset", "F_0", force, "constant force against the motor"),
         ("delay", "delay", "s", "delay of the force beyond that of the log"),

@@ -19,17 +19,17 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
     """Return the content of learned.json for what one recording gave, values in SI units."""
     estimation, loop = learned.estimation, learned.known_loop
     rotary = estimation.recording.rotary
-    errors = estimation.fitted.errors
+    errors = estimation.errors
     document: dict[str, Any] = {
         "schema": writing.SCHEMA,
         "parameters": tables.parameters(estimation).by_key(),
         "F_0": {
-            "value": estimation.F_0,
+            "value": estimation.parameters["F_0"],
             "unit": unit_of("F_c", rotary=rotary),
             "standard_error": errors.get("F_0", 0.0),
         },
         "delay": {
-            "value": estimation.delay,
+            "value": estimation.parameters["delay"],
             "unit": "s",
             "standard_error": errors.get("delay", 0.0),
         },
@@ -53,7 +53,7 @@ def recording_document(learned: LearnedFromRecording) -> dict[str, Any]:
         document["predicted_logs"] = tables.predicted_logs(
             learned.predicted, rotary=rotary
         ).records()
-    if (curve := estimation.friction_curve) is not None:  # with viscous friction, 95 % intervals
+    if (curve := estimation.start.curve) is not None:  # with viscous friction, 95 % intervals
         speed, force = unit_of("v_s", rotary=rotary), unit_of("F_c", rotary=rotary)
         friction = {key: plain(getattr(curve, key)) for key in ("value", "low", "high")}
         document["friction_curve"] = {

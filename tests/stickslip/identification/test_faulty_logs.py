@@ -109,16 +109,6 @@ def test_a_change_of_friction_is_found_whatever_the_law(name, drift, candidates,
     assert abs(change - truth) < 3.0 * error < 0.3
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize(("drift", "flagged"), [(0.0, False), (0.3, True)])
-def test_no_parameter_is_well_identified_where_friction_changes(
-    drift, flagged, candidates, tmp_path
-):
-    learned = learn(Task(candidates, recorded("Table 2", drift, tmp_path)))
-    assert any("friction changes over" in str(found) for found in learned.faults) == flagged
-    assert (learned.known["m"].identifiability == "identifiable") != flagged
-
-
 TOLD = {
     "none": "silent",
     "force clipped in the log": "values",

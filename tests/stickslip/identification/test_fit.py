@@ -25,7 +25,6 @@ K = len(ParameterSpace.of(friction_law()).names)
 class Line:
     """A criterion that is linear in the coordinates."""
 
-    name = "line"
     every = 1
 
     def __init__(self, regressors, seen, space):

@@ -1,6 +1,5 @@
 """Which exponent a curve has, and what is not motion in a position."""
 
-from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +7,7 @@ import pytest
 
 from stickslip.catalog.parameters import ParameterSpace, friction_law
 from stickslip.identification.criteria.motion import encoder_noise, position_noise
+from stickslip.identification.criteria.runs import Criterion
 from stickslip.identification.fitting.fit import fit
 from stickslip.identification.fitting.search import select, variants, without_stribeck
 
@@ -17,10 +17,9 @@ TRUTH = {
 }  # fmt: skip
 
 
-class Curve:
+class Curve(Criterion):
     """Measures friction at steady speeds, with noise."""
 
-    name = "curve"
     every = 1
 
     def __init__(self, delta, speeds, **changes):
@@ -36,11 +35,6 @@ class Curve:
 
     def map(self, points):
         return [self.residual(values) for values in points]
-
-    def over(self, space):
-        other = copy(self)
-        other.space = space
-        return other
 
 
 def space():

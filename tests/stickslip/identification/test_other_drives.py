@@ -47,7 +47,7 @@ def test_the_loop_gives_the_exponent_and_all_parameters(delta, pull, skipped, ca
     assert learned.criterion == "output error"
     assert "was running when the log began" in learned.reason
     assert learned.compensator["delta"] == delta
-    assert abs(learned.F_0 - pull) < 0.5
+    assert abs(learned.parameters["F_0"] - pull) < 0.5
     for name, value in DRIVE.items():
         assert learned.parameters[name] == pytest.approx(value, rel=0.03), name
 

@@ -199,10 +199,10 @@ def test_a_constant_force_changes_nothing_else(told, candidates):
     alone, _ = told
     lifted = replace(alone.recording, force=alone.recording.force + 40.0)
     learned = learn(Task(candidates, lifted))
-    assert abs(learned.F_0 - alone.F_0 - 40.0) < 0.02
+    assert abs(learned.parameters["F_0"] - alone.parameters["F_0"] - 40.0) < 0.02
     for name in alone.known:
         apart = learned.parameters[name] - alone.parameters[name]
-        assert abs(apart) < 0.2 * alone.fitted.errors[name], name
+        assert abs(apart) < 0.2 * alone.errors[name], name
 
 
 def test_a_force_of_the_wrong_sign_and_missing_gains_are_told(recorded, candidates):
@@ -224,4 +224,4 @@ def test_a_stand_in_that_shakes_the_drive_otherwise_is_not_believed(told, candid
         assert alike == believed
         assert bias.any()
         assert learned.fit.parameters == (corrected if alike else found).parameters
-        assert learned.fitted.errors["sigma_0"] > found.errors()["sigma_0"]  # the motion tells F_c
+        assert learned.errors["sigma_0"] > found.errors()["sigma_0"]  # the motion tells F_c

@@ -55,8 +55,8 @@ def test_logs_of_other_motions_show_together_what_one_alone_does_not(candidates,
 @pytest.mark.parametrize("share", [1.5, *further(0.6)])
 def test_a_log_whose_force_is_out_of_scale_is_named_with_its_factor(candidates, logs, share):
     wrong = replace(logs["creep"], force=share * logs["creep"].force)
-    others = recorded("sliding"), replace(recorded("sliding", m=5.557), source="again.csv")
-    _, (finding,) = fitted(candidates, joined(others[0], wrong, others[1]))
+    again = replace(logs["sliding"], source="again.csv")
+    _, (finding,) = fitted(candidates, joined(logs["sliding"], wrong, again))
     assert finding.what == "creep.csv contradicts the other 2 logs"
     assert finding.spoils == "values"
     factor = float(finding.figure.partition("its friction is ")[2].split()[0])

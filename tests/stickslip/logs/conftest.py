@@ -5,7 +5,7 @@ import pytest
 import scipy.io
 
 from stickslip.cli import main
-from stickslip.logs import Recording
+from stickslip.logs import Recording, read_recording
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
 from tests.stickslip.logs.rigid_drive import rigid_drive
@@ -23,6 +23,18 @@ def table() -> pd.DataFrame:
             "velocity_command": drive.velocity,
         }
     )
+
+
+@pytest.fixture
+def read_log(tmp_path):
+    """Return a function that writes a log, text or bytes, and reads it."""
+
+    def read(content, given=None, *, name="log.csv", strict=True):
+        path = tmp_path / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return read_recording(path, given, strict=strict)
+
+    return read
 
 
 @pytest.fixture

@@ -89,9 +89,8 @@ def simulink_blocks(path, columns):
     """One block a signal, with names of blocks alone."""
     time, *names = columns
     each = {name: _signals({time: columns[time], name: columns[name]}) for name in names}
-    for name, found in each.items():
+    for found in each.values():
         found["signals"][0, 0]["label"] = ""
-        each[name] = found
     scipy.io.savemat(path, {split_unit(name)[0]: found for name, found in each.items()})
 
 
@@ -120,15 +119,12 @@ class Matlab73:
             file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\2IM")
 
     def put(self, place, value):
-        """Write an array, a text, a structure, or a list: a cell array."""
+        """Write an array, a text or a structure."""
         if isinstance(value, dict):
             group = self._file.require_group(place)
             group.attrs["MATLAB_class"] = np.bytes_("struct")
             for name, inner in value.items():
                 self.put(f"{place}/{name}", inner)
-        elif isinstance(value, list):
-            self._file[place] = self._references(value)
-            self._file[place].attrs["MATLAB_class"] = np.bytes_("cell")
         elif isinstance(value, str):
             self._file[place] = np.array([[ord(c)] for c in value], dtype=np.uint16)
             self._file[place].attrs["MATLAB_class"] = np.bytes_("char")
@@ -169,12 +165,6 @@ def matlab73_simulink(path, columns):
     with Matlab73(path) as file:
         file.put("out", {"time": found["time"], "blockName": found["blockName"]})
         file.put_array("out/signals", signals)
-
-
-def matlab73_cells(path, columns):
-    with Matlab73(path) as file:
-        each = [{"Name": name, "Data": values[:, None]} for name, values in columns.items()]
-        file.put("log", each)
 
 
 def matlab_object(path, name, cls):

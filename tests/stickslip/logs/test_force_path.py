@@ -11,7 +11,6 @@ from campaigns.sound_drives import simulator
 from stickslip.logs import Recording, aligned, check_recording, samples_late
 from stickslip.logs.force_path import force_path
 from stickslip.logs.motion import force_delay, signal_delay
-from stickslip.planning import LINEAR, Limits, plan
 from stickslip.servo.measurement import smoothed
 from tests.kept import further
 from tests.stickslip.logs.rigid_drive import rigid_drive
@@ -109,28 +108,19 @@ def test_of_a_rigid_drive_with_a_noisy_force(delay):
     assert abs(found.value / drive.T_s - delay) < 5 * found.standard_error / drive.T_s
 
 
-@pytest.fixture(scope="module")
-def log(drive_log) -> Recording:
-    """Half a standard plan, run on the paper's drive."""
-    return drive_log(plan(Limits(duration=10.0))["velocity_command"].to_numpy())
+def test_between_channels():
+    v = smoothed(np.gradient(DRIVE.position, DRIVE.T_s), DRIVE.T_s, 50.0)
+    late = np.interp(DRIVE.t - 2.3 * DRIVE.T_s, DRIVE.t, 1.7 * v + 0.01)
+    found = signal_delay(DRIVE.t, v, late)
+    assert found.value / DRIVE.T_s == pytest.approx(2.3, abs=0.1)
 
 
-def test_between_channels(log):
-    v = smoothed(np.gradient(log.position, log.T_s), log.T_s, 50.0)
-    late = np.interp(log.t - 2.3 * log.T_s, log.t, 1.7 * v + 0.01)
-    found = signal_delay(log.t, v, late)
-    assert found.value / log.T_s == pytest.approx(2.3, abs=0.1)
-    assert LINEAR.speed > np.abs(v).max() * 0.5
-
-
-def test_what_shows_no_delay(log):
-    assert force_delay(replace(log, force=None)) is None
-    steady = Recording(log.t, 0.01 * log.t, 5.0 + 0.0 * log.t)
-    found = force_delay(steady)
-    assert found is None or not found.known(log.T_s)
-    noise = np.random.default_rng(0).standard_normal(len(log.t))
-    found = force_delay(replace(log, force=noise))
-    assert found is None or not found.known(log.T_s)
+def test_what_shows_no_delay():
+    assert force_delay(replace(DRIVE, force=None)) is None
+    steady = Recording(DRIVE.t, 0.01 * DRIVE.t, 5.0 + 0.0 * DRIVE.t)
+    for log in (steady, replace(DRIVE, force=NOISE)):
+        found = force_delay(log)
+        assert found is None or not found.known(log.T_s)
 
 
 @pytest.mark.parametrize(("mass", "viscous"), [(3.2, 44.0), *further((3.0, 60.0), (1.0, 20.0))])
@@ -151,6 +141,7 @@ def test_of_a_force_that_switches(mass, viscous):
 
 T_S, N = 1e-3, 8_000
 T = np.arange(N) * T_S
+SWEEP = 16.0 * np.sin(2 * np.pi * (0.3 * T + 0.04 * T**2))
 TRAPEZOID = 0.1 * np.clip(8.0 * np.sin(2 * np.pi * 0.25 * T), -1.0, 1.0)
 
 
@@ -171,7 +162,7 @@ def said(recording, **stated) -> str:
 
 EXPERIMENTS = {
     "trapezoids with Coulomb friction alone": {},
-    "bang-bang force": {"force": 14.0 * np.sign(np.sin(2 * np.pi * (0.3 * T + 0.04 * T**2)))},
+    "bang-bang force": {"force": 14.0 * np.sign(SWEEP)},
     "steps of force": {
         "force": np.repeat([12, -9, 18, -18, 18, -10, 15, -12, 18, -18], N // 10) * 1.0, "b": 90.0,
     },
@@ -200,8 +191,7 @@ def test_a_limit_is_found_where_the_error_of_the_motion_grows(limits):
 
 
 def test_a_limit_is_found_where_the_force_command_is_larger():
-    command = 16.0 * np.sin(2 * np.pi * (0.3 * T + 0.04 * T**2))
-    log = run(command, b=90.0, limits=(-11.0, 13.0))
+    log = run(SWEEP, b=90.0, limits=(-11.0, 13.0))
     told = said(log).split("saturates at 13: ")[1]
     share = np.mean((log.force > 12.8) | (log.force < -10.8))
     assert float(told.split("%")[0]) == pytest.approx(100 * share, rel=0.1)
@@ -209,8 +199,7 @@ def test_a_limit_is_found_where_the_force_command_is_larger():
 
 
 def test_a_force_that_was_logged_before_a_limit():
-    command = 16.0 * np.sin(2 * np.pi * (0.3 * T + 0.04 * T**2))
-    log = run(command, b=90.0, limits=(-13.0, 13.0))
+    log = run(SWEEP, b=90.0, limits=(-13.0, 13.0))
     [found] = spoiled(log.force_command, replace(log, force_command=None))
     assert "the force was logged before a limit" in found
     assert float(found.split("at most ")[1].split(";")[0]) == pytest.approx(13.0, rel=0.1)

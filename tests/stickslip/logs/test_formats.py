@@ -3,6 +3,7 @@
 import gzip
 import importlib.util
 import sys
+import tomllib
 from pathlib import Path
 
 import h5py
@@ -29,7 +30,6 @@ FILES = {
     "cells": ("log.mat", writers.cells),
     "matlab 7.3": ("log.mat", writers.matlab73),
     "simulink in 7.3": ("log.mat", writers.matlab73_simulink),
-    "cells in 7.3": ("log.mat", writers.matlab73_cells),
 }
 WITHOUT_UNITS = ("simulink", "simulink blocks", "matlab 7.3", "simulink in 7.3")
 EXTRAS = {
@@ -96,7 +96,6 @@ def test_a_missing_library_is_named_with_its_extra(name, table, tmp_path, monkey
 
 
 def test_the_extras_are_declared():
-    tomllib = pytest.importorskip("tomllib")
     project = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text("utf-8"))
     optional = project["project"]["optional-dependencies"]
     for library, extra in EXTRAS.values():

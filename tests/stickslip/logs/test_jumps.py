@@ -16,16 +16,14 @@ TURN = 2 * np.pi
 
 
 @pytest.fixture
-def read(tmp_path):
+def read(read_log):
     """Return a function that reads a log of the drive with other columns: recording, findings."""
 
     def run(head="t [s],x [m],F [N]", **columns):
-        path = tmp_path / "log.csv"
         columns = {"t": DRIVE.t, "x": DRIVE.position, "F": DRIVE.force} | columns
         table = pd.DataFrame(columns)
         table.columns = head.split(",")
-        table.to_csv(path, index=False)
-        reading = read_recording(path, Description(), strict=False)
+        reading = read_log(table.to_csv(index=False), strict=False)
         return reading.recording, "\n".join(map(str, reading.findings))
 
     return run
@@ -117,12 +115,6 @@ def test_another_jump_is_an_error_with_its_row_size_and_remedy(read, tmp_path, s
     assert len(reading.recording.t) > 6000 / (times + 1) - 10
 
 
-def sampled(T_s, step, motion, n=20_000):
-    t = np.arange(min(n, round(20 / T_s))) * T_s
-    x = np.cumsum(motion(t)) * T_s
-    return t, step * np.round(x / step)
-
-
 def slipping(t, slip=0.012, every=0.7):
     """Return the velocity of a drive that rests, and slips within some milliseconds."""
     phase = t % every
@@ -142,7 +134,9 @@ SOUND = {
 
 @pytest.mark.parametrize("name", SOUND)
 def test_a_sound_position_does_not_jump(read, name):
-    t, x = sampled(*SOUND[name])
+    T_s, step, motion = SOUND[name]
+    t = np.arange(min(20_000, round(20 / T_s))) * T_s
+    x = step * np.round(np.cumsum(motion(t)) * T_s / step)
     recording, found = read(t=t, x=x, F=np.sin(t))
     np.testing.assert_allclose(recording.position, x, rtol=1e-12)
     assert not re.search("jump|restart|lost", found)

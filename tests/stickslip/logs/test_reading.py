@@ -25,20 +25,14 @@ def equals(recording: Recording, table: pd.DataFrame) -> None:
             np.testing.assert_allclose(signal, table[name], rtol=1e-12, err_msg=name)
 
 
-def written(tmp_path, text: str | bytes, name="log.csv"):
-    path = tmp_path / name
-    path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    return path
-
-
 @pytest.mark.parametrize("delimiter", [",", ";", "\t", "|", " "])
 @pytest.mark.parametrize("decimal", [".", ","])
 @pytest.mark.parametrize("header", [True, False])
-def test_text_in_any_dialect(table, tmp_path, delimiter, decimal, header):
+def test_text_in_any_dialect(table, read_log, delimiter, decimal, header):
     if delimiter == decimal:
         pytest.skip("no dialect")
     text = table.to_csv(index=False, sep=delimiter, decimal=decimal, header=header)
-    reading = read_recording(written(tmp_path, text), None if header else BARE)
+    reading = read_log(text, None if header else BARE)
     equals(reading.recording, table)
     assert reading.recording.encoder_step == pytest.approx(4e-7, rel=1e-6)
     assert (reading.recording.velocity_command is not None) == header
@@ -46,30 +40,29 @@ def test_text_in_any_dialect(table, tmp_path, delimiter, decimal, header):
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
 @pytest.mark.parametrize("ending", ["\n", "\r\n", "\r"])
-def test_encodings_and_line_ends(table, tmp_path, encoding, ending):
+def test_encodings_and_line_ends(table, read_log, encoding, ending):
     renamed = table.rename(columns={"position": "position [µm]"})
     renamed["position [µm]"] *= 1e6
     text = renamed.to_csv(index=False, lineterminator=ending)
-    equals(read_recording(written(tmp_path, text.encode(encoding))).recording, table)
+    equals(read_log(text.encode(encoding)).recording, table)
 
 
-def test_a_header_behind_a_comment_sign_and_columns_of_text(table, tmp_path):
+def test_a_header_behind_a_comment_sign_and_columns_of_text(table, read_log):
     stream = io.StringIO()
     np.savetxt(stream, table.to_numpy(), header="t x F v_cmd", fmt="%.17g")
-    equals(read_recording(written(tmp_path, stream.getvalue(), "log.dat")).recording, table)
+    equals(read_log(stream.getvalue(), name="log.dat").recording, table)
     text = table.assign(status="OK, running", note="").to_csv(index=False)
-    equals(read_recording(written(tmp_path, text)).recording, table)
+    equals(read_log(text).recording, table)
 
 
-def test_points_in_time_become_seconds(table, tmp_path):
+def test_points_in_time_become_seconds(table, read_log):
     stamps = pd.Timestamp("2026-02-03T10:00:00") + pd.to_timedelta(table["time"], unit="s")
     table_with = table.assign(time=stamps.dt.round("us").astype(str))
-    equals(read_recording(written(tmp_path, table_with.to_csv(index=False))).recording, table)
+    equals(read_log(table_with.to_csv(index=False)).recording, table)
 
 
 @pytest.mark.parametrize("kind", [np.float64, np.float32, np.int32])
 def test_parquet(table, tmp_path, kind):
-    pytest.importorskip("pyarrow")
     if kind is np.int32:
         counts = (table["position"] / 4e-7).round().astype(kind)
         stored = table.assign(position=counts).rename(columns={"position": "position [counts]"})
@@ -116,16 +109,15 @@ def test_scalars_of_a_mat_file_may_be_named(table, tmp_path):
     assert reading.controller.K_p == 840.0
 
 
-def test_a_span_an_offset_and_a_given_period(table, tmp_path):
-    path = written(tmp_path, table.to_csv(index=False))
+def test_a_span_an_offset_and_a_given_period(table, read_log):
     given = Description(columns={"force": Column(offset=2.0)}, span=(0.1, 0.3))
-    recording = read_recording(path, given).recording
+    recording = read_log(table.to_csv(index=False), given).recording
     assert len(recording.t) == 201
     assert recording.t[0] == 0
     np.testing.assert_allclose(recording.force, table["force"][100:301] + 2.0)
     coarse = table.assign(time=np.floor(table["time"] * 100) / 100)
-    path = written(tmp_path, coarse.to_csv(index=False))
-    equals(read_recording(path, Description(sample_period=1e-3)).recording, table)
+    coarse = coarse.to_csv(index=False)
+    equals(read_log(coarse, Description(sample_period=1e-3)).recording, table)
 
 
 R = np.random.default_rng(3)
@@ -159,9 +151,7 @@ KINDS = {
     "repeated headers": lambda n: "t,x,F\n" * n + row(1) * n,
     "many columns": lambda n: ",".join(f"a{k}" for k in range(n)) + "\n" + ("1," * n + "\n") * 3,
     "many pairs": lambda n: "time,x\t" * n + "\n" + ("1,2\t" * n + "\n") * 3,
-    "only carriage returns": lambda n: ("t,x,F\n" + "".join(map(row, range(n)))).replace(
-        "\n", "\r"
-    ),
+    "only carriage returns": lambda n: KINDS["a log"](n).replace("\n", "\r"),
     "a log": lambda n: "t,x,F\n" + "".join(map(row, range(n))),
 }
 

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from stickslip.errors import RecordingError, UsageError
-from stickslip.logs import Description, read_recording
+from stickslip.logs import Description
 from stickslip.logs.grid import even_grid
 from stickslip.logs.joined import join
 from stickslip.logs.sampling import mean_period, regular_times, step_of
@@ -61,11 +61,9 @@ def log() -> pd.DataFrame:
 
 
 @pytest.fixture
-def read(tmp_path):
+def read(read_log):
     def run(table, **given):
-        path = tmp_path / "log.csv"
-        table.to_csv(path, index=False)
-        reading = read_recording(path, Description(**given))
+        reading = read_log(table.to_csv(index=False), Description(**given))
         return reading.recording, "\n".join(map(str, reading.findings))
 
     return run
@@ -116,12 +114,6 @@ def test_a_channel_that_is_far_slower_and_a_period_that_hides_channels_are_error
     # half of the rows hold no position: a period for each row would be wrong
     with pytest.raises(RecordingError, match="without sample_period"):
         read(in_turn(log, 1), sample_period=1e-3)
-
-
-def test_an_even_motion_is_no_step_of_the_encoder():
-    position = np.round(0.2985 * np.arange(400.0), 3)
-    assert step_of(position) == 0.0
-    assert step_of(0.01 * np.round(position * np.sin(position))) == pytest.approx(0.01)
 
 
 TABLE = LogTable("log", (), {})
@@ -192,6 +184,9 @@ def test_the_step_of_an_encoder_is_found_and_other_signals_have_none():
     assert step_of(DRIVE.position) == 0
     assert step_of(np.random.default_rng(0).standard_normal(5000)) == 0
     assert step_of(np.zeros(100)) == 0
+    even = np.round(0.2985 * np.arange(400.0), 3)  # of the motion, not of the encoder
+    assert step_of(even) == 0
+    assert step_of(0.01 * np.round(even * np.sin(even))) == pytest.approx(0.01)
 
 
 SOME = Description(controller="PI", gains={"K_p": 1.0, "K_i": 2.0})

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from stickslip.errors import RecordingError
-from stickslip.logs import Description, read_recording
+from stickslip.logs import Description
 from stickslip.logs.channels import unit_of
 from stickslip.logs.roles import assign_roles
 from stickslip.logs.table import LogTable, with_joined_times
@@ -45,7 +45,6 @@ def test_each_column_of_a_tool_has_its_role(line):
 AMBIGUOUS = {
     "t;field.position0;field.position1;effort": "position, field.position0 or field.p",
     "t;x;commanded_position;ipo_position": "position_command, commanded_position or",
-    "t;x;F [N];q_axis_current;current_motor": None,
     "t;x;q_axis_current;current_motor": "force, q_axis_current or current_motor?",
     "t;ch1 [deg];ch2 [deg];torque": "position, ch1 or ch2?",
 }
@@ -54,18 +53,13 @@ AMBIGUOUS = {
 @pytest.mark.parametrize("header", AMBIGUOUS)
 def test_what_is_ambiguous_ends_in_one_error(header):
     table = read_text("log", written(header), None, None)
-    if AMBIGUOUS[header] is None:
-        assert assign_roles(table, Description())[0]["force"] == "F"
-        return
     with pytest.raises(RecordingError, match="which column is") as caught:
         assign_roles(table, Description())
     assert AMBIGUOUS[header] in str(caught.value)
 
 
-def test_a_set_point_alone_is_reported_and_not_taken_for_the_measured_force(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_bytes(written("t [s];x [rad];input_torque [Nm]"))
-    reading = read_recording(path)
+def test_a_set_point_alone_is_reported_and_not_taken_for_the_measured_force(read_log):
+    reading = read_log(written("t [s];x [rad];input_torque [Nm]"))
     assert reading.recording.force is None
     assert any("'input_torque' is a set point" in str(finding) for finding in reading.findings)
 
@@ -96,11 +90,9 @@ def test_seconds_and_their_rest_are_one_time(names, unit):
         (0, 1_000_000, "time_ns;pos"),
     ],
 )
-def test_times_are_in_s(first, step, header, tmp_path):
-    path = tmp_path / "log.csv"
+def test_times_are_in_s(first, step, header, read_log):
     rows = [f"{first + k * step};{np.sin(k / 9):.9f}" for k in range(900)]
-    path.write_text("\n".join([header, *rows]))
-    t = read_recording(path).recording.t
+    t = read_log("\n".join([header, *rows])).recording.t
     np.testing.assert_allclose(t, np.arange(900) * 1e-3, rtol=1e-6)
 
 

@@ -1,10 +1,12 @@
 """Logs as drives and their tools write them, after their layouts, are read without options."""
 
+import re
+
 import numpy as np
 import pytest
 
 from stickslip.errors import RecordingError, UsageError
-from stickslip.logs import Column, Description, read_recording
+from stickslip.logs import Column, Description
 from stickslip.logs.header import split_unit
 from stickslip.logs.roles import assign_roles
 from stickslip.logs.table import LogTable
@@ -107,10 +109,8 @@ FILES = {
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_a_vendor_file_needs_no_option(name, tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_bytes(FILES[name].encode("latin-1"))
-    reading = read_recording(path)
+def test_a_vendor_file_needs_no_option(name, read_log):
+    reading = read_log(FILES[name].encode("latin-1"))
     recording = reading.recording
     np.testing.assert_allclose(recording.t, T, atol=1e-9)
     np.testing.assert_allclose(recording.position, X, atol=1e-10)
@@ -123,7 +123,7 @@ def test_a_vendor_file_needs_no_option(name, tmp_path):
 TORQUE = np.sin(9 * T) * 0.7
 
 
-def test_channels_of_twincat_with_other_periods(tmp_path):
+def test_channels_of_twincat_with_other_periods(read_log):
     """Each channel has its own times; the force every 2 ms comes on those of the position."""
     pair = "{:.9g}\t{:.9g}\t".format
     head = titled("Name", "Axis 1.ActPos", "Axis 1.ActForce")
@@ -132,9 +132,8 @@ def test_channels_of_twincat_with_other_periods(tmp_path):
         pair(T[k] * 1e3, X[k] * 1e3) + (pair(T[2 * k] * 1e3, F[2 * k]) if 2 * k < N else "\t\t")
         for k in range(N)
     ]
-    path = tmp_path / "log.csv"
-    path.write_text("Name\tScope\n\n" + head + "\n" + "\n".join(lines) + "\n")
-    recording = read_recording(path).recording
+    text = "Name\tScope\n\n" + head + "\n" + "\n".join(lines) + "\n"
+    recording = read_log(text).recording
     np.testing.assert_allclose(recording.position, X[:-1], atol=1e-10)
     np.testing.assert_allclose(recording.force[::2], F[:-1:2], rtol=1e-7)
 
@@ -148,12 +147,11 @@ RATED = {
 
 
 @pytest.mark.parametrize("name", RATED)
-def test_a_share_of_a_rated_torque(name, tmp_path):
+def test_a_share_of_a_rated_torque(name, read_log):
     header, torque, given = RATED[name]
-    path = tmp_path / "log.csv"
-    path.write_text(f"Zeit [ms];phi [deg];{header}\n" + rows(T * 1e3, np.rad2deg(X * 9), torque))
+    text = f"Zeit [ms];phi [deg];{header}\n" + rows(T * 1e3, np.rad2deg(X * 9), torque)
     columns = {"force": Column(unit="‰")} if name == "object" else {}
-    recording = read_recording(path, Description(columns=columns, **given)).recording
+    recording = read_log(text, Description(columns=columns, **given)).recording
     np.testing.assert_allclose(recording.force, TORQUE, rtol=1e-7)
 
 
@@ -171,35 +169,31 @@ def test_a_share_of_a_rated_torque(name, tmp_path):
         ("x [mm];Kraft", {"rated_force": 9.0}, "a rated force is given, but no unit; give columns"),
     ],
 )
-def test_a_share_of_what_is_not_known(header, given, message, tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_text(f"Zeit [ms];{header}\n" + rows(T * 1e3, X * 1e3, TORQUE))
-    with pytest.raises((RecordingError, UsageError)) as caught:
-        read_recording(path, Description(**given))
-    assert message in str(caught.value)
+def test_a_share_of_what_is_not_known(header, given, message, read_log):
+    text = f"Zeit [ms];{header}\n" + rows(T * 1e3, X * 1e3, TORQUE)
+    with pytest.raises((RecordingError, UsageError), match=re.escape(message)):
+        read_log(text, Description(**given))
 
 
-def test_increments_of_an_encoder(tmp_path):
+def test_increments_of_an_encoder(read_log):
     step = 1e-7
     counts = np.round(X / step)
-    path = tmp_path / "log.csv"
     header = "Zeit [ms];Lageistwert [inc];Geschwindigkeit [inc/s];Kraft [N]\n"
-    path.write_text(header + rows(T * 1e3, counts, V / step, F))
-    recording = read_recording(path, Description(encoder_step=step)).recording
+    text = header + rows(T * 1e3, counts, V / step, F)
+    recording = read_log(text, Description(encoder_step=step)).recording
     np.testing.assert_allclose(recording.position, counts * step, rtol=1e-6)
     np.testing.assert_allclose(recording.velocity, V, rtol=1e-7)
 
 
-def test_a_velocity_is_enough(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_text("Zeit [ms];Drehzahl [1/min];Drehmomentistwert [Nm]\n" + rows(T * 1e3, V, F))
-    reading = read_recording(path)
+def test_a_velocity_is_enough(read_log):
+    text = "Zeit [ms];Drehzahl [1/min];Drehmomentistwert [Nm]\n" + rows(T * 1e3, V, F)
+    reading = read_log(text)
     assert reading.recording.position is None
     np.testing.assert_allclose(reading.recording.velocity, V * np.pi / 30, rtol=1e-7)
     assert any("integrated from the velocity" in str(finding) for finding in reading.findings)
     held = {"controller": "cascade", "gains": {"K_x": 5.0, "K_p": 1.0}}
     with pytest.raises(RecordingError, match="only the velocity was logged"):
-        read_recording(path, Description(**held))
+        read_log(text, Description(**held))
 
 
 NAMES = {
@@ -226,8 +220,7 @@ def test_names_of_drives(name):
     assert assign_roles(table, Description())[0] == ({NAMES[name]: short} if NAMES[name] else {})
 
 
-def test_a_torque_goes_before_a_current_and_equal_columns_are_one(tmp_path):
+def test_a_torque_goes_before_a_current_and_equal_columns_are_one(read_log):
     header = "Zeit [ms];phi [deg];Iq [A];Moment [Nm];Zeit 2 [ms]\n"
-    path = tmp_path / "log.csv"
-    path.write_text(header + rows(T * 1e3, X, F, TORQUE, T * 1e3))
-    np.testing.assert_allclose(read_recording(path).recording.force, TORQUE, rtol=1e-7)
+    reading = read_log(header + rows(T * 1e3, X, F, TORQUE, T * 1e3))
+    np.testing.assert_allclose(reading.recording.force, TORQUE, rtol=1e-7)

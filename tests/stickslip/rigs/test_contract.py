@@ -114,16 +114,23 @@ class Broken(Exception):
     """An error of somebody's own rig."""
 
 
+class Failing(Ideal):
+    """A drive whose program fails or dies in one of its motions, while it moves."""
+
+    def __init__(self, number, fault):
+        super().__init__(WIDE)
+        self.number, self.fault = number, fault
+
+    def move(self, command):
+        log = super().move(command)
+        if self.moved == self.number:
+            raise self.fault
+        return log
+
+
 @pytest.mark.parametrize("kind", [Broken, ValueError, UsageError])
 def test_an_error_of_move_ends_the_learning_after_that_motion(fmus, kind):
-    class Failing(Ideal):
-        def move(self, command):
-            log = super().move(command)
-            if self.moved == 3:
-                raise kind("the fieldbus\nis down")
-            return log
-
-    rig = Failing(WIDE)
+    rig = Failing(3, kind("the fieldbus\nis down"))
     rig.fmus = fmus
     start = {name: Estimate(value, 0.1 * value) for name, value in FRICTION.items()}
     study = Study(rig, rig.loop, start, TRAINING.sample(rig.samples(0.05)))
@@ -179,20 +186,6 @@ def test_a_compensator_that_is_not_recommended_moves_nothing():
     assert not rig.moved
 
 
-class Interrupted(Ideal):
-    """A drive whose program dies in one of its motions, while it moves."""
-
-    def __init__(self, number):
-        super().__init__(WIDE)
-        self.number = number
-
-    def move(self, command):
-        log = super().move(command)
-        if self.moved == self.number:
-            raise KeyboardInterrupt
-        return log
-
-
 def experiment(rig, last=0.04):
     """Run three motions, each of which follows from the log before."""
     x = 0.01
@@ -204,7 +197,7 @@ def experiment(rig, last=0.04):
 def test_what_was_done_is_not_done_again_and_the_interrupted_motion_only_when_asked(tmp_path):
     expected = experiment(Ideal(WIDE))
     with pytest.raises(KeyboardInterrupt):
-        experiment(KeptRig(Interrupted(2), tmp_path))
+        experiment(KeptRig(Failing(2, KeyboardInterrupt()), tmp_path))
     drive = Ideal(WIDE)
     begun = tmp_path / "motion-0002.json"
     with pytest.raises(RigError, match=r"motion-0002\.json: motion 2 of 0\.05 s was begun and has"):
@@ -226,19 +219,11 @@ def test_a_folder_of_another_run_is_refused(tmp_path):
 
 
 def test_a_limit_that_aborted_a_motion_does_so_again_without_it(tmp_path):
-    for moved in (1, 0):
-        drive = Ideal(WIDE)
+    for drive in (Failing(1, LimitError("speed 2 m/s")), Ideal(WIDE)):
         kept = KeptRig(drive, tmp_path)
-        if moved:
-            drive.move = lambda _, drive=drive: aborted(drive)
         with pytest.raises(LimitError, match="speed 2 m/s"):
             kept.follow(np.full(100, 0.5), kept.loop)
-        assert drive.moved == moved
-
-
-def aborted(drive):
-    drive.moved += 1
-    raise LimitError("speed 2 m/s")
+        assert drive.moved == isinstance(drive, Failing)
 
 
 def test_a_folder_of_another_rig_is_refused_and_what_is_taken_is_said(tmp_path, caplog):

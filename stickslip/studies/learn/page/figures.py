@@ -190,7 +190,7 @@ def _friction(both: Axes, against_speed: Axes, estimation: Estimation, signals: 
     both.plot(-x, curve[:300][::-1], color=style.WITH)
     both.plot(x, curve[300:], color=style.WITH)
     against_speed.plot(x, curve[300:], color=style.WITH, label=f"learned {steady_name(estimation)}")
-    shown = estimation.friction_curve
+    shown = estimation.start.curve
     if shown is not None:
         low, high = (scale.factor * end for end in (shown.low, shown.high))
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
@@ -356,7 +356,7 @@ def unresolved(estimation: Estimation) -> list[str]:
 def _curve(estimation: Estimation, name: str) -> tuple[Array, Array]:
     """Return values and deviances of one parameter, without what is too far away to draw."""
     fitted = estimation.known[name].value
-    profiles = estimation.fitted.profiles
+    profiles = estimation.profiles
     rows = profiles[profiles["parameter"] == name]
     value, deviance = (rows[column].to_numpy(dtype=float) for column in ("value", "deviance"))
     near = (value > fitted / FARTHEST) & (value < fitted * FARTHEST)

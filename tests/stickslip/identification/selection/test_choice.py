@@ -12,15 +12,15 @@ from stickslip.identification.selection.folds import Moving
 from stickslip.identification.selection.prediction import Candidate, Prediction
 
 
-def predicted(law, error, *, is_level=False, shown=("F_s",), spread=0.2, seed=0, fails=False):
+def predicted(law, error, *, explained=0.1, is_level=False, shown=("F_s",), seed=0, fails=False):
     """Return a prediction whose error varies from block to block."""
     rng = np.random.default_rng(seed)
-    squares = error**2 * np.exp(spread * rng.standard_normal(40))
+    squares = error**2 * np.exp(0.2 * rng.standard_normal(40))
     squares *= error**2 / squares.mean()
     candidate = Candidate(friction_law(law), is_level=is_level)
     shown = () if is_level else shown
     moving = Moving(error, 0.5 * error, fails)
-    return Prediction(candidate, {}, {}, error, error / 6.0, 0.1, squares, shown, moving)
+    return Prediction(candidate, {}, {}, error, error / 6.0, explained, squares, shown, moving)
 
 
 def laws(plain=2.0, lugre=1.0, static=2.0, gms=1.0):
@@ -79,13 +79,9 @@ def test_a_law_that_is_much_worse_in_one_block_only_is_not_tied_and_one_that_fai
 T_S = 1e-3
 
 
-def found(error, explained):
-    return replace(predicted("lugre", error), relative=error / 6.0, explained=explained)
-
-
 def test_a_law_that_fails_beside_a_regression_has_wrong_values():
     """Unless its error is that of noise, of which a regression with less mass leaves less."""
-    failing = replace(predicted("lugre", 0.12, fails=True), explained=0.05)
+    failing = predicted("lugre", 0.12, explained=0.05, fails=True)
     finding, *_ = mismatch(failing, (), (), rotary=False)
     assert not list(mismatch(replace(failing, explained=0.1), (), (), rotary=False))
     assert finding.spoils == "values"
@@ -102,7 +98,7 @@ def test_a_law_that_fails_beside_a_regression_has_wrong_values():
 
 def test_causes_are_listed_with_their_figures_and_the_likely_one_is_advised():
     delay = Cause("a delay of 3 ms", 0.45, "shift the force")
-    law = found(0.5, 0.1)
+    law = predicted("lugre", 0.5)
     (finding,) = mismatch(law, [predicted("gms", 0.12)], [delay], rotary=True)
     assert "another law, GMS, leaves 0.12 N m, a delay of 3 ms leaves 0.45 N m" in finding.figure
     assert finding.advice == 'give law="gms"'
@@ -111,7 +107,7 @@ def test_causes_are_listed_with_their_figures_and_the_likely_one_is_advised():
     likely = replace(delay, left=0.2)
     (finding,) = mismatch(law, [predicted("gms", 0.4)], [likely], rotary=False)
     assert finding.advice == "shift the force"
-    (finding,) = mismatch(found(0.5, 0.1), [predicted("gms", 0.495)], (), rotary=False)
+    (finding,) = mismatch(law, [predicted("gms", 0.495)], (), rotary=False)
     assert "GMS" not in finding.figure  # it is tied
 
 

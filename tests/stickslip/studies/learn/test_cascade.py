@@ -140,7 +140,7 @@ def test_a_log_of_a_cascade_gives_the_drive_and_less_position_error(tmp_path, ca
     known = learned.estimation.known
     for key in ("m", "b", "F_c"):
         assert known[key].low <= TRUTH[key] <= known[key].high, known[key]
-    assert abs(learned.estimation.F_0) < 0.02 * TRUTH["F_c"]
+    assert abs(learned.estimation.parameters["F_0"]) < 0.02 * TRUTH["F_c"]
     found = learned.designed.compensated
     assert learned.designed.known
     assert (found.K_x, found.velocity_feedforward) == (40.0, 0.0)

@@ -15,7 +15,6 @@ from stickslip.evaluation.tracking import FEEDFORWARD, FRICTIONLESS, NONE, Track
 from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.goodness_of_fit import GoodnessOfFit
 from stickslip.identification.estimation import Estimation, Identifiability
-from stickslip.identification.estimation.estimation import FittedLaw
 from stickslip.identification.estimation.faults import HeldOut
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.start import Start
@@ -90,14 +89,12 @@ def made(kind="loop", n=30_000):
         criterion="inverse model" if kind == "friction" else "output error",
         reason="for a reason < others",
         start=Start(values, space),
-        fitted=FittedLaw(
-            fit=fit,
-            known=known,
-            parameters=values,
-            errors={name: 0.01 * value for name, value in values.items()},
-            profiles=pd.concat(
-                [profile(name, 100.0 if name == steep else 1.0) for name in space.friction]
-            ),
+        fit=fit,
+        known=known,
+        parameters=values,
+        errors={name: 0.01 * value for name, value in values.items()},
+        profiles=pd.concat(
+            [profile(name, 100.0 if name == steep else 1.0) for name in space.friction]
         ),
         searched=algorithm(),
         held_out=HeldOut((), ()),
