@@ -531,13 +531,16 @@ def is_prior(share):
     return identifiability._is_prior_dominated("F_c", fitted)
 
 
-def taken(name, value):
+def taken(name, value, half=None):
     """Return what the compensator takes of a value; the largest force in the log is 8 N."""
     levels = {"F_s": "weakly identifiable", "sigma_0": NOT_IDENTIFIABLE}
     known = {
         one: Identifiability(at, 0.0, 0.0, 9.0 * at, levels.get(one, "identifiable"), "")
         for one, at in {**FRICTION, name: value}.items()
     }
+    if half:
+        ends = {"low": value * np.exp(-half), "high": value * np.exp(half)}
+        known[name] = replace(known[name], identifiability="weakly identifiable", **ends)
     return conservative(known, SPACE, 8.0)[name].value
 
 
@@ -1007,7 +1010,8 @@ CASES: dict[str, tuple[Any, object, object]] = {
         "take the values as coarse",
     ),
     "identifiable.WELL": (lambda: level(0.08), "weakly identifiable", "identifiable"),
-    "identifiable.WEAKLY": (lambda: level(0.4), NOT_IDENTIFIABLE, "weakly identifiable"),
+    "identifiable.WEAKLY": (lambda: level(1.0), NOT_IDENTIFIABLE, "weakly identifiable"),
+    "identifiable.CONTACT": (lambda: taken("sigma_0", 4e5, half=0.4) < 4e5, True, False),
     "identifiable.PRIOR_DOMINATED": (lambda: is_prior(0.7), True, False),
     "identifiable.PRESLIDING": (lambda: with_least_error(0.03), 0.03, 0.04),
     "identifiable.SOFTEST": (lambda: taken("sigma_0", 4e5), 2e5, 4e5),

@@ -102,10 +102,7 @@ def _classified(
     name: str, interval: Interval, space: ParameterSpace, *, shown: bool = True
 ) -> Identifiability:
     """Return how well a parameter is known; ``shown`` is whether the recording decides it."""
-    value, half = interval.value, 0.5 * (interval.high - interval.low)
-    if space.is_log[space.index(name)] and value > 0.0 and interval.low > 0.0:
-        half = value * 0.5 * float(np.log(interval.high / interval.low))
-    relative = half / abs(value) if value else np.inf
+    relative = half_width(name, interval, space)
     if not shown or relative > identifiable.WEAKLY:
         level = NOT_IDENTIFIABLE
         said = f"not identifiable in this experiment; {_remedy(name, space)}"
@@ -116,6 +113,14 @@ def _classified(
         level = IDENTIFIABLE
         said = f"{IDENTIFIABLE}, +-{100 * relative:.2g} %"
     return Identifiability(**vars(interval), identifiability=level, template=said)
+
+
+def half_width(name: str, interval: Interval, space: ParameterSpace) -> float:
+    """Return the relative half-width of an interval, of the logarithm where that is searched."""
+    value, half = interval.value, 0.5 * (interval.high - interval.low)
+    if space.is_log[space.index(name)] and value > 0.0 and interval.low > 0.0:
+        return 0.5 * float(np.log(interval.high / interval.low))
+    return half / abs(value) if value else np.inf
 
 
 def unreliable(known: Identifiability) -> Identifiability:
@@ -252,6 +257,7 @@ class _Point:
         return self._name, self._value * float(np.exp(self._change)), deviance
 
 
+LARGEST, WEAKEST = "the largest friction in the recording", "where the force is weakest"
 CREEP = 0.1  # share of the highest speed up to which friction towards rest shows
 
 
@@ -265,15 +271,19 @@ def conservative(
     there is no friction.
 
     A value that is not identifiable is moved to the end of its interval at which the force is the
-    weakest; static friction is then the Coulomb friction. Unless it is identifiable, static
-    friction is not above the largest one that the recording shows. ``largest`` is that one [N].
+    weakest, stiffness and damping of the contact from a narrower interval on; static friction is
+    then the Coulomb friction. Unless it is identifiable, static friction is not above the largest
+    one that the recording shows. ``largest`` is that one [N].
     """
     taken = dict(known)
     for name, one in known.items():
         parameter = space.law.parameters.get(name)
-        if parameter and not parameter.at_least and one.identifiability == NOT_IDENTIFIABLE:
-            value = _weakest(parameter, one)
-            taken[name] = replace(one, value=value, template=_template(name, VALUE, one))
+        if parameter is None or parameter.at_least or one.identifiability == IDENTIFIABLE:
+            continue
+        wide = _is_contact(parameter) and half_width(name, one, space) > identifiable.CONTACT
+        if wide or one.identifiability == NOT_IDENTIFIABLE:
+            template = _template(name, VALUE, one, WEAKEST)
+            taken[name] = replace(one, value=_weakest(parameter, one), template=template)
     for name, bound in space.bounded.items():
         one, least = known[name], taken[bound].value
         most = max(identifiable.BEYOND * largest, least)
@@ -314,12 +324,16 @@ def bounded_by(values: Values, space: ParameterSpace, largest: float) -> dict[st
 def _weakest(parameter: LawParameter, one: Identifiability) -> float:
     if parameter.weakest == "high":
         return one.high
-    is_contact = (parameter.force, parameter.length) == (1, -1)
-    return max(one.low, identifiable.SOFTEST * one.value if is_contact else 0.0)
+    return max(one.low, identifiable.SOFTEST * one.value if _is_contact(parameter) else 0.0)
 
 
-def _template(name: str, what: str, one: Identifiability) -> str:
+def _is_contact(parameter: LawParameter) -> bool:
+    """Tell whether it is a stiffness or a damping of the contact."""
+    return (parameter.force, parameter.length) == (1, -1)
+
+
+def _template(name: str, what: str, one: Identifiability, why: str = LARGEST) -> str:
     if one.identifiability != NOT_IDENTIFIABLE:
-        return f"{one.template}; {name} = {what} is used, the largest friction in the recording"
-    used = f"{name} = {what} is used, where the force is weakest: {NOT_IDENTIFIABLE}"
+        return f"{one.template}; {name} = {what} is used, {why}"
+    used = f"{name} = {what} is used, {WEAKEST}: {NOT_IDENTIFIABLE}"
     return one.template.replace(NOT_IDENTIFIABLE, used)

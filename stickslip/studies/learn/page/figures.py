@@ -1,6 +1,5 @@
 """Figures of what one recording gave: recording, force, residual, and profile likelihoods."""
 
-import math
 from string import ascii_lowercase
 from textwrap import fill
 from typing import Any
@@ -11,11 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import (
-    FixedLocator,
     FormatStrFormatter,
-    FuncFormatter,
     MaxNLocator,
-    NullLocator,
 )
 from scipy.interpolate import PchipInterpolator
 from scipy.signal import welch
@@ -383,22 +379,10 @@ def _ticks(axes: Axes, value: Array) -> None:
     """Put a few ticks on: powers of ten where decades are shown."""
     if value[-1] > WIDE * value[0]:
         axes.set_xscale("log")
-        decades = np.arange(math.ceil(math.log10(value[0])), math.floor(math.log10(value[-1])) + 1)
-        ticks = 10.0 ** decades[:: -(-len(decades) // 4) or 1]
-        if len(ticks) < 2:
-            ticks = np.geomspace(value[0], value[-1], 3)
-        axes.xaxis.set_major_locator(FixedLocator([float(f"{tick:.1g}") for tick in ticks]))
-        axes.xaxis.set_minor_locator(NullLocator())
-        axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: _tick(x)))
+        style.log_ticks(axes.xaxis, value[0], value[-1])
         return
     axes.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
     axes.ticklabel_format(axis="x", useOffset=False, style="plain")
-
-
-def _tick(x: float) -> str:
-    if 1e-2 <= x < 1e4:
-        return number(x, 2)
-    return f"$10^{{{round(math.log10(x))}}}$"
 
 
 def _legend(axes: Axes) -> None:
