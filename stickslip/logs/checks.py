@@ -138,6 +138,7 @@ def _demand(
 
 
 PLAN = "stickslip plan --show"
+REMOVED = "are removed before learning"
 ONE_WAY = "F_c and the constant force cannot be told apart"
 
 
@@ -244,7 +245,7 @@ def _delayed(name: str, other: str, delay: Delay, T_s: float, taken_out: int = 0
     figure = f"{delay.value / T_s:.2f} +- {delay.standard_error / T_s:.2f} samples"
     way = "delayed" if delay.value >= 0 else "early (negative delay)"
     if taken_out:
-        advice = f"{1e3 * taken_out * T_s:.4g} ms are removed before learning"
+        advice = f"{1e3 * taken_out * T_s:.4g} ms {REMOVED}"
         return Finding("warning", f"{name} is {way} relative to {other}", figure, advice)
     if not delay.known(T_s):
         return Finding("note", f"the delay of {name} relative to {other} is not determined", figure)

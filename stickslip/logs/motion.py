@@ -131,8 +131,8 @@ class Delay:
         return 2 * self.standard_error < log_delay.KNOWN * T_s
 
     def is_large(self, T_s: float) -> bool:
-        """Whether it is more than that of a loop sampled at this period [s]."""
-        return abs(self.value) >= log_delay.REPORTED * T_s
+        """Whether it is surely more than that of a loop sampled at this period [s]."""
+        return abs(self.value) - 2.0 * self.standard_error >= log_delay.REPORTED * T_s
 
 
 def force_delay(recording: Recording) -> Delay | None:

@@ -1,7 +1,7 @@
 """Whether the given controller commands the force that was logged."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -9,10 +9,12 @@ import numpy as np
 
 from stickslip import cosim
 from stickslip.identification.criteria.known_loop import NO_LIMIT, initial_state, memory_force
-from stickslip.identification.criteria.motion import position_of
-from stickslip.logs import Recording
+from stickslip.identification.criteria.motion import against_motion, position_of, recording_scale
+from stickslip.identification.criteria.runs import candidate_fmus
+from stickslip.logs import Finding, Reading, Recording, aligned, samples_late
+from stickslip.logs.checks import REMOVED
 from stickslip.servo.measurement import Array, smoothed
-from stickslip.thresholds import control_match
+from stickslip.thresholds import control_match, log_delay
 
 OWN = ""  # name of the form that the FMU has
 _INTEGRALS = {"": 0.0, "integral by the trapezoidal rule": 0.5, "integral by forward Euler": 1.0}
@@ -168,6 +170,30 @@ def check_controller(
             best = min(limited, key=lambda check: check.error)
             check = best if best.error <= control_match.EXACT else check
     return replace(check, factor=_factor(force, T_s, check))
+
+
+def check_reading(reading: Reading) -> ControllerCheck | None:
+    """Check the controller of a log as it is described; None where gains or force are not known."""
+    gains, recording = reading.controller.parameters(), reading.recording
+    if gains is None or recording.force is None:
+        return None
+    scale = recording_scale(recording)
+    scaled, _ = against_motion(scale.recording(recording))
+    with candidate_fmus() as fmus:
+        return check_controller(fmus, scaled, scale.values(gains))
+
+
+def in_time(reading: Reading, findings: Iterable[Finding]) -> tuple[Reading, tuple[Finding, ...]]:
+    """Return a log with its force in time with the motion, and findings on it.
+
+    A force that the controller commands as it was logged is not late: a contact that bends far
+    before it slides looks so.
+    """
+    late = samples_late(reading.recording)
+    check = check_reading(reading) if late else None
+    if check and check.error <= control_match.EXACT and check.shift < log_delay.REPORTED:
+        return reading, tuple(one for one in findings if not one.advice.endswith(REMOVED))
+    return replace(reading, recording=aligned(reading.recording, late)), tuple(findings)
 
 
 def _factor(force: Array, T_s: float, check: ControllerCheck) -> float:

@@ -36,7 +36,7 @@ def check_log(
         return reading, findings
     from stickslip.studies.learn.controller_findings import check_description  # late: runs FMUs
 
-    return reading, (*findings, *check_description(reading))
+    return reading, check_description(reading, findings)
 
 
 def log_columns(path: Path | str, description: Description | None = None) -> dict[str, str]:

@@ -137,7 +137,7 @@ def run(options: argparse.Namespace) -> Answer:
             if isinstance(one, Checked) and one.reading.controller.parameters():
                 from stickslip.studies.learn.controller_findings import check_description
 
-                one = replace(one, findings=(*one.findings, *check_description(one.reading)))
+                one = replace(one, findings=check_description(one.reading, one.findings))
             refuses = isinstance(one, Refused)
             print(f"{log.path}: {_headline(one.findings, refused=refuses)}")
             TerminalProgress().findings(one.findings)

@@ -24,6 +24,7 @@ from stickslip.evaluation.tracking import (
     simulate,
 )
 from stickslip.fmi.files import digest
+from stickslip.identification.criteria.controller_check import in_time
 from stickslip.identification.criteria.known_loop import is_running
 from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.estimation import CriterionName, LearnSettings, Search
@@ -34,12 +35,10 @@ from stickslip.logs import (
     Finding,
     Reading,
     Recording,
-    aligned,
     check_recording,
     load_description,
     raise_errors,
     read_and_check,
-    samples_late,
 )
 from stickslip.logs.checks import visibility
 from stickslip.logs.plausibility import implausible_mass
@@ -259,7 +258,7 @@ def learn(
             reading = replace(reading, recording=with_position_force(reading.recording))
             found = check_recording(reading.recording, reading.controller, reading.force_limit)
             raise_errors(source.name, found)
-            reading = _aligned(reading)
+            reading, found = in_time(reading, found)
             checked = [Checked(reading, (*found, *check_rig(reading)))]
         else:
             progress.stage("reading the log")
@@ -324,7 +323,7 @@ def _read_all(logs: Sequence[Log]) -> tuple[list[Checked], tuple[Finding, ...]]:
                 reason = f"{one.reading.recording.source}: {one.fault}"
                 left_out.setdefault(one.fault.what, []).append(reason)
         checked = sound
-    return [replace(one, reading=_aligned(one.reading)) for one in checked], tuple(
+    return [_in_time(one) for one in checked], tuple(
         Finding("warning", f"{len(some)} of {len(logs)} logs left out", f"the first is {some[0]}")
         for some in left_out.values()
     )
@@ -338,12 +337,12 @@ def _held_out(log: Log, force: PositionForce | None) -> Recording:
 
     reading, findings = read_and_check(log.path, log.description, known=known)
     raise_errors(log.path, findings)
-    return _aligned(reading).recording
+    return in_time(reading, findings)[0].recording
 
 
-def _aligned(reading: Reading) -> Reading:
-    recording = reading.recording
-    return replace(reading, recording=aligned(recording, samples_late(recording)))
+def _in_time(log: Checked) -> Checked:
+    reading, findings = in_time(log.reading, log.findings)
+    return replace(log, reading=reading, findings=findings)
 
 
 def _of_all(checked: Sequence[Checked], recording: Recording) -> tuple[Finding, ...]:

@@ -9,7 +9,7 @@ import numpy as np
 from stickslip import cosim, logs
 from stickslip.errors import UsageError
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE, LearnedDrive, simulate
-from stickslip.identification.criteria.controller_check import check_controller
+from stickslip.identification.criteria.controller_check import check_controller, in_time
 from stickslip.identification.criteria.motion import recording_scale
 from stickslip.identification.estimation import candidate_fmus
 from stickslip.learned.file import LearnedFile
@@ -38,8 +38,9 @@ def read_log(
     """Read a log of a learned drive; its controller is the one given, or that of the file."""
     reading, findings = logs.read_and_check(path, description, known=learned.with_position_force)
     logs.raise_errors(path, findings)
+    reading, findings = in_time(reading, findings)
     on_findings(findings)
-    recording = logs.aligned(reading.recording, logs.samples_late(reading.recording))
+    recording = reading.recording
     kinds = [("linear", "rotary")[rotary] for rotary in (recording.rotary, learned.rotary)]
     if kinds[0] != kinds[1]:
         raise UsageError(
@@ -51,7 +52,6 @@ def read_log(
             f"{learned.path}: has no mass, as it was learned from measured friction; expected a "
             f"log of friction, got one of force in {path}"
         )
-    reading = replace(reading, recording=recording)
     gains = reading.controller.parameters()
     name = f"the {reading.controller.kind} controller given"
     if gains is None and learned.loop is not None:

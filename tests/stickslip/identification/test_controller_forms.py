@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from stickslip.identification.criteria.controller_check import check_controller
+from stickslip.identification.criteria.controller_check import check_controller, in_time
 from stickslip.identification.criteria.known_loop import KnownLoop, fmu_gains
-from stickslip.logs import Recording
+from stickslip.logs import Controller, Reading, Recording, check_recording, samples_late
+from stickslip.logs.checks import REMOVED
 from tests.stickslip.identification import drives
 
 T_S = 5e-4
@@ -111,6 +112,39 @@ def test_a_limit_that_is_not_given_is_found(candidates, motion, noise):
     assert check.error < 0.01
 
 
+T = np.arange(6000) * drives.T_S
+COMMAND = 0.01 * np.sin(2 * np.pi * 1.3 * T)
+SOFT = {
+    "m": 0.7012, "b": 7.947, "F_s": 1.1063, "F_c": 0.7856, "v_s": 2.54e-3, "sigma_0": 2079.0,
+    "sigma_1": 64.2, "encoder": 4.29e-6, "K_p": 124.19, "K_i": 5148.0, "tau_f": 1.357e-3,
+}  # fmt: skip
+"""A drive that bends for 0.4 mm before it slides, and its controller."""
+
+
+def test_a_force_that_the_controller_commands_is_not_shifted():
+    v_cmd = 0.05 * np.sin(2.0 * np.pi * 4.0 * T)
+    soft = drives.recording("lugre", v_cmd, noise=0.013, **SOFT)
+    assert samples_late(soft) < -2  # for a rigid drive
+    log = Reading(soft, Controller("PI", **{n: SOFT[n] for n in ("K_p", "K_i", "tau_f")}))
+    findings = check_recording(soft)
+    assert any(one.advice.endswith(REMOVED) for one in findings)
+    prompt, left = in_time(log, findings)
+    assert prompt is log
+    assert not any(one.advice.endswith(REMOVED) for one in left)
+    unknown, same = in_time(replace(log, controller=Controller()), findings)
+    assert len(unknown.recording.t) == len(T) + samples_late(soft)
+    assert same == findings
+
+
+def test_a_force_that_is_logged_late_is_shifted():
+    stage = drives.recording("lugre", COMMAND)
+    late = replace(stage, force=np.append(np.full(3, stage.force[0]), stage.force[:-3]))
+    gains = {name: drives.GAINS[name] for name in ("K_p", "K_i", "tau_f")}
+    shifted, _ = in_time(Reading(late, Controller("PI", **gains)), ())
+    assert samples_late(late) > 2
+    np.testing.assert_array_equal(shifted.recording.force, late.force[samples_late(late) :])
+
+
 def test_another_controller_is_told_by_the_gains_given(candidates, motion):
     """What no form explains is not explained away: the gains stay as they were given."""
     check = checked(candidates, motion, 1.3 * commanded(motion, 1.0, WEIGHTS[""]))
@@ -118,8 +152,6 @@ def test_another_controller_is_told_by_the_gains_given(candidates, motion):
     assert check.error > 0.1
 
 
-T = np.arange(6000) * drives.T_S
-COMMAND = 0.01 * np.sin(2 * np.pi * 1.3 * T)
 DITHER = 4.0 * np.sign(np.sin(2 * np.pi * 23.0 * T))
 PULSES = 0.004 * (np.sin(2 * np.pi * 3.1 * T) > 0.8)
 VALUES = {
