@@ -22,6 +22,7 @@ from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import log_content, log_unit
 
 RATE = "d(position)/dt"
+DIFFER = "differ in scale"  # how two signals are said to, that are not by a known factor
 DELAYS = 9  # delays of the force that are tried
 LATE, FILTERED = 0.1, 0.01  # share of the log by which a signal, and a velocity, may be late
 CUTOFF = 0.02  # of the low-pass before a comparison, in sampling frequencies
@@ -162,7 +163,7 @@ def _contradiction(
         yield Finding("error", what, f"{figure}, near {name}", f"{advice}; {leave}")
     elif not 1 / most <= abs(ratio) <= most:
         advice = f"a gear or the pitch of a screw is set by {_scaled(reading, b, 1 / abs(ratio))}"
-        what = f"{a} and {b} differ in scale"
+        what = f"{a} and {b} {DIFFER}"
         yield Finding("warning", what, figure, f"{advice}; {leave}", spoils="values")
 
 

@@ -13,6 +13,7 @@ from stickslip.identification.criteria.motion import against_motion, position_of
 from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.logs import Finding, Reading, Recording, aligned, samples_late
 from stickslip.logs.checks import REMOVED
+from stickslip.logs.plausibility import DIFFER
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import control_match, log_delay
 
@@ -186,14 +187,20 @@ def check_reading(reading: Reading) -> ControllerCheck | None:
 def in_time(reading: Reading, findings: Iterable[Finding]) -> tuple[Reading, tuple[Finding, ...]]:
     """Return a log with its force in time with the motion, and findings on it.
 
-    A force that the controller commands as it was logged is not late: a contact that bends far
-    before it slides looks so.
+    Where the controller commands the force as it was logged, that is not late, nor are commands of
+    another scale: a contact that bends far before it slides looks so.
     """
-    late = samples_late(reading.recording)
-    check = check_reading(reading) if late else None
+    found = tuple(findings)
+    late, doubts = samples_late(reading.recording), [one for one in found if _is_doubt(one)]
+    check = check_reading(reading) if late or doubts else None
     if check and check.error <= control_match.EXACT and check.shift < log_delay.REPORTED:
-        return reading, tuple(one for one in findings if not one.advice.endswith(REMOVED))
-    return replace(reading, recording=aligned(reading.recording, late)), tuple(findings)
+        return reading, tuple(one for one in found if one not in doubts)
+    return replace(reading, recording=aligned(reading.recording, late)), found
+
+
+def _is_doubt(one: Finding) -> bool:
+    """Tell whether a finding is about the time of the force or the scale of a command."""
+    return one.advice.endswith(REMOVED) or ("command" in one.what and one.what.endswith(DIFFER))
 
 
 def _factor(force: Array, T_s: float, check: ControllerCheck) -> float:

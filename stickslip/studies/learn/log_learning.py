@@ -312,7 +312,7 @@ def _read_all(logs: Sequence[Log]) -> tuple[list[Checked], tuple[Finding, ...]]:
         raise UsageError("expected a log to learn from; got none")
     read = [*check_logs(logs)]
     refused = [one for one in read if isinstance(one, Refused)]
-    checked = [one for one in read if isinstance(one, Checked)]
+    checked = [_in_time(one) for one in read if isinstance(one, Checked)]
     if 2 * len(refused) > len(logs) or len(checked) < min(len(logs), 2):
         raise refused[0].error
     left_out: dict[str, list[str]] = {"": [str(one.error) for one in refused]} if refused else {}
@@ -323,7 +323,7 @@ def _read_all(logs: Sequence[Log]) -> tuple[list[Checked], tuple[Finding, ...]]:
                 reason = f"{one.reading.recording.source}: {one.fault}"
                 left_out.setdefault(one.fault.what, []).append(reason)
         checked = sound
-    return [_in_time(one) for one in checked], tuple(
+    return checked, tuple(
         Finding("warning", f"{len(some)} of {len(logs)} logs left out", f"the first is {some[0]}")
         for some in left_out.values()
     )

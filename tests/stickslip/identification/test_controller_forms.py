@@ -8,8 +8,9 @@ from scipy.signal import lfilter
 
 from stickslip.identification.criteria.controller_check import check_controller, in_time
 from stickslip.identification.criteria.known_loop import KnownLoop, fmu_gains
-from stickslip.logs import Controller, Reading, Recording, check_recording, samples_late
+from stickslip.logs import Controller, Finding, Reading, Recording, check_recording, samples_late
 from stickslip.logs.checks import REMOVED
+from stickslip.logs.plausibility import DIFFER
 from tests.stickslip.identification import drives
 
 T_S = 5e-4
@@ -134,6 +135,16 @@ def test_a_force_that_the_controller_commands_is_not_shifted():
     unknown, same = in_time(replace(log, controller=Controller()), findings)
     assert len(unknown.recording.t) == len(T) + samples_late(soft)
     assert same == findings
+
+
+@pytest.mark.parametrize("scale", [1.0, 2.0])
+def test_commands_of_another_scale_are_those_with_which_the_force_is_not_commanded(scale):
+    stage = drives.recording("lugre", COMMAND)
+    gains = {name: drives.GAINS[name] for name in ("K_p", "K_i", "tau_f")}
+    log = replace(stage, velocity_command=scale * COMMAND)
+    doubt = Finding("warning", f"d(position)/dt and velocity_command {DIFFER}", spoils="values")
+    _, left = in_time(Reading(log, Controller("PI", **gains)), [doubt])
+    assert left == (() if scale == 1.0 else (doubt,))
 
 
 def test_a_force_that_is_logged_late_is_shifted():
