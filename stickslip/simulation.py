@@ -164,9 +164,14 @@ class Model:
 
     def _warn_of_step(self, step: float, every: Mapping[str, int]) -> None:
         """Warn of parameters ``T_s`` in s, sample periods, that are not so many whole steps."""
-        for name, component in self.system.components.items():
-            period = component.variables.get("T_s")
-            if period is None or period.causality != "parameter" or period.unit != "s":
+        periods = (
+            (name, variable)
+            for name, component in self.system.components.items()
+            for variable in component.variables.values()
+            if variable.name.rpartition(".")[2] == "T_s"  # of a component, or of one in a container
+        )
+        for name, period in periods:
+            if period.causality != "parameter" or period.unit != "s":
                 continue
             key, own = f"{name}.{period.name}", step * every.get(name, 1)
             value = self.system.parameters.get(key, period.start)
@@ -235,7 +240,7 @@ class Model:
             names = ", ".join(shown[:_MOST]) + (", ..." if len(shown) > _MOST else "")
             warnings.warn(
                 f"inputs that stay at their start values: {names};"
-                + with_settings(" give them signals by <input>, or constants by <set>"),
+                + with_settings(" give exposed ones signals by <input>, or any constants by <set>"),
                 IdleInputs,
                 stacklevel=5,
             )

@@ -148,7 +148,7 @@ class Instances:
                 arguments = (name, fmu.token, self.libraries[name].resources)
                 self.kernel.instantiate(slot, *(text.encode() for text in arguments))
                 if not slot.instance:
-                    tool = "; it needs the tool that made it" if fmu.needs_tool else ""
+                    tool = "; it says that it needs the tool that made it" if fmu.needs_tool else ""
                     what = f"{fmu.label} cannot be instantiated{_message_of(slot, fmu)}{tool}"
                     raise SimulationError(f"{name}: {what}")
                 if slot.instance in given:

@@ -142,7 +142,7 @@ def test_a_run_whose_process_dies_leaves_the_others_of_its_batch(stage):
 
 
 def test_a_run_warns_of_inputs_that_nothing_drives(stage):
-    with pytest.warns(IdleInputs, match=r"u = 0\S* .*by inputs, or constants by parameters"):
+    with pytest.warns(IdleInputs, match=r"u = 0\S* .*by inputs, or any constants by parameters"):
         ss.simulate(stage, stop=0.1, step=1e-3)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -176,6 +176,13 @@ def test_a_run_warns_of_a_step_that_divides_no_sample_period(two, step, better):
         ss.simulate(two, stop=0.1, step=step, inputs={"v_cmd": 0.1})
     late = f"period c.T_s = 0.0005 s, so that it samples late or not at all; choose {better} s"
     assert [str(one.message)[-len(late) :] for one in caught] == [late] * bool(better)
+
+
+def test_a_system_as_one_fmu_warns_of_such_a_step_as_well(two, tmp_path):
+    two.connect("c.u", "stage.u")
+    fmu = ss.write_fmu(two, tmp_path / "two.fmu", step=5e-4)
+    with pytest.warns(MissedSamples, match=r"sample period two\.c\.T_s = 0\.0005 s"):
+        ss.simulate(fmu, stop=0.1, step=4e-4, inputs={"v_cmd": 0.1})
 
 
 def test_a_constant_of_an_exposed_input_reaches_all_its_targets(two):

@@ -360,12 +360,15 @@ def _curve(estimation: Estimation, name: str) -> tuple[Array, Array]:
 
 
 def _resolved(deviance: Array) -> bool:
-    """Tell whether a profile is near 1 at one standard error, so that the others did follow."""
+    """Tell whether a profile is near 1 at one standard error, so that the others did follow.
+
+    One without rise was made around values that do not leave least, as those of exact logs do not.
+    """
     if len(deviance) < 3:
         return False
     fitted = int(np.argmin(deviance))
     beside = [deviance[k] for k in (fitted - 1, fitted + 1) if 0 <= k < len(deviance)]
-    return bool(min(beside) < LINE_95)
+    return bool(min(beside) < LINE_95 and max(deviance) > 0.0)
 
 
 def _smooth(value: Array, deviance: Array, fitted: float) -> tuple[Array, Array]:

@@ -24,7 +24,7 @@ from stickslip.presentation.quantity import interval, number
 from stickslip.presentation.scale import thinned
 from stickslip.presentation.style import house_style
 from stickslip.studies.learn.page import FIGURES, use, write_estimation_report
-from stickslip.studies.learn.page.figures import draw_residual
+from stickslip.studies.learn.page.figures import _resolved, draw_residual
 from stickslip.studies.learn.page.tracking import tracking_section, window
 
 pytestmark = pytest.mark.slow
@@ -196,6 +196,8 @@ def test_a_profile_too_steep_for_its_interval_is_not_drawn(written):
     texts, text = drawn(folder, "profiles"), words(folder)
     assert texts.count("profile not resolved") == 1
     assert f"Not drawn for {'Fc' if kind == 'friction' else 'σ1'}" in text
+    assert not _resolved(np.zeros(7))  # nor one that nothing raises
+    assert _resolved(np.arange(-3.0, 4.0) ** 2)
 
 
 def test_a_disturbance_of_one_frequency_is_a_peak_of_the_spectrum():
