@@ -22,7 +22,7 @@ from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import log_content, log_unit
 
 RATE = "d(position)/dt"
-DIFFER = "differ in scale"  # how two signals are said to, that are not by a known factor
+DIFFER = "differ in scale"  # of two signals, by a factor near none that is known
 DELAYS = 9  # delays of the force that are tried
 LATE, FILTERED = 0.1, 0.01  # share of the log by which a signal, and a velocity, may be late
 CUTOFF = 0.02  # of the low-pass before a comparison, in sampling frequencies

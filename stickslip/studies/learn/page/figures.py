@@ -362,7 +362,7 @@ def _curve(estimation: Estimation, name: str) -> tuple[Array, Array]:
 def _resolved(deviance: Array) -> bool:
     """Tell whether a profile is near 1 at one standard error, so that the others did follow.
 
-    One without rise was made around values that do not leave least, as those of exact logs do not.
+    One without any rise is none: values beside the learned ones leave no more than these.
     """
     if len(deviance) < 3:
         return False
