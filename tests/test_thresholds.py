@@ -1001,7 +1001,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     ),
     "identifiable.WELL": (lambda: level(0.08), "weakly identifiable", "identifiable"),
     "identifiable.WEAKLY": (lambda: level(1.0), NOT_IDENTIFIABLE, "weakly identifiable"),
-    "identifiable.CONTACT": (lambda: taken("sigma_0", 4e5, half=0.4) < 4e5, True, False),
+    "identifiable.TAKEN": (lambda: taken("sigma_0", 4e5, half=0.4) < 4e5, True, False),
     "identifiable.PRIOR_DOMINATED": (lambda: is_prior(0.7), True, False),
     "identifiable.PRESLIDING": (lambda: with_least_error(0.03), 0.03, 0.04),
     "identifiable.SOFTEST": (lambda: taken("sigma_0", 4e5), 2e5, 4e5),

@@ -7,9 +7,9 @@ WELL = Threshold(0.05)
 WEAKLY = Threshold(
     0.693, "decision 161: a factor of two; of 23 intervals between 0.3 and this 22 hold"
 )
-"""The same above which it is not, and the compensator takes the value with the weakest force."""
-CONTACT = Threshold(0.3, "decision 161: 0.69 leaves 0.35 and 0.30 of two errors, not 0.13 and 0.19")
-"""The same above which it takes the softest contact, as one that is too stiff pushes the drive."""
+"""The same above which it is not identifiable."""
+TAKEN = Threshold(0.3, "decision 161: with 0.69 a log that saturates is confident and wrong")
+"""The same above which the compensator takes the value with the weakest force."""
 PRIOR_DOMINATED = Threshold(0.5)
 """Standard error as a share of the prior's, above which a parameter is not identifiable."""
 PRESLIDING = Threshold(0.02, "decision 141: -4, -2, +3 and +4 % on sets of four drives")

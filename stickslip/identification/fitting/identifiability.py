@@ -270,17 +270,16 @@ def conservative(
     left without a compensator. Feedforward that is too strong, or lasts too long, pushes where
     there is no friction.
 
-    A value that is not identifiable is moved to the end of its interval at which the force is the
-    weakest, stiffness and damping of the contact from a narrower interval on; static friction is
-    then the Coulomb friction. Unless it is identifiable, static friction is not above the largest
-    one that the recording shows. ``largest`` is that one [N].
+    A value with a wide interval is moved to the end of that at which the force is the weakest;
+    static friction that is not identifiable is the Coulomb friction. Unless it is identifiable, it
+    is not above the largest one that the recording shows. ``largest`` is that one [N].
     """
     taken = dict(known)
     for name, one in known.items():
         parameter = space.law.parameters.get(name)
         if parameter is None or parameter.at_least or one.identifiability == IDENTIFIABLE:
             continue
-        wide = _is_contact(parameter) and half_width(name, one, space) > identifiable.CONTACT
+        wide = half_width(name, one, space) > identifiable.TAKEN
         if wide or one.identifiability == NOT_IDENTIFIABLE:
             template = _template(name, VALUE, one, WEAKEST)
             taken[name] = replace(one, value=_weakest(parameter, one), template=template)
@@ -324,12 +323,8 @@ def bounded_by(values: Values, space: ParameterSpace, largest: float) -> dict[st
 def _weakest(parameter: LawParameter, one: Identifiability) -> float:
     if parameter.weakest == "high":
         return one.high
-    return max(one.low, identifiable.SOFTEST * one.value if _is_contact(parameter) else 0.0)
-
-
-def _is_contact(parameter: LawParameter) -> bool:
-    """Tell whether it is a stiffness or a damping of the contact."""
-    return (parameter.force, parameter.length) == (1, -1)
+    is_contact = (parameter.force, parameter.length) == (1, -1)
+    return max(one.low, identifiable.SOFTEST * one.value if is_contact else 0.0)
 
 
 def _template(name: str, what: str, one: Identifiability, why: str = LARGEST) -> str:
