@@ -158,6 +158,12 @@ def stiffest(step):
     return max(one["sigma_0"] for one in compensator_trial.stiffer(4 * [POOR_ONE], step))
 
 
+def assumed_limit():
+    """Return the largest force of a motor whose limit is not known, over that in the log."""
+    log = SimpleNamespace(recording=DRIVE, force_limit=None)
+    return compensator_trial.datasheet_of(log, np.array([1.0, -2.0]), 0.1, 0.0).peak_force / 2.0
+
+
 def is_at_rest(swing, reversals):
     """Return whether a swing at rest, in encoder steps, is warned of."""
     found = {NONE.name: Hold(swing, reversals, 1.0, "any")}
@@ -909,6 +915,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
         (0.25, 1.0),
         (0.125, 2.0),
     ),
+    "harm.LIMIT": (assumed_limit, 10.0, 20.0),
     "harm.FALLS/2": (lambda: LearnSettings().friction_range[0], 0.7, 0.35),
     "harm.GROWS": (lambda: LearnSettings().friction_range[1], 1.3, 2.6),
     "harm.EXPLAINS": (lambda: set(evidence()), {"lugre"}, {"lugre", "coulomb_stribeck"}),

@@ -1,6 +1,5 @@
 """What is deployed: the blocks of a learned.json behind one call, and a page of steps."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -27,7 +26,6 @@ FILES = (
     *(f"{FOLDER}/{ADDED_FORCE}.{end}" for end in ("st", "xml")),
 )
 """What ``write_deployment`` may write, in the folder of results."""
-ASSUMED = 500.0  # F_c; without a limit in the log learn assumes 1000 times its strongest force
 
 
 def deployed_parts(learned: LearnedFile) -> dict[str, Compensator]:
@@ -89,7 +87,6 @@ def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
     signals = {name: one for name, one in used_signals(blocks).items() if name not in idle}
     verdict = {"source": "", "refused": (), **learned.mapping("verdict")}
     tuning = learned.mapping("tuning")
-    limit = learned.datasheet.peak_force if "datasheet" in learned.document else math.inf
     section = Section(
         "",
         "learned/deploy.j2",
@@ -101,7 +98,7 @@ def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
         names=names,
         verdict=verdict,
         warnings=dict.fromkeys([*verdict["refused"], *loop_doubts(learned)]),
-        force_limit=limit if limit < ASSUMED * learned.friction.get("F_c", 0.0) else None,
+        force_limit=learned.datasheet.peak_force if "datasheet" in learned.document else None,
         gains_before=_gains(tuning, "before"),
         steps=list(_steps(names, [*signals], verdict, tuning)),
     )

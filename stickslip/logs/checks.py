@@ -154,8 +154,6 @@ def check_recording(
     Of one of several logs, which is not ``alone``, they do not tell what it shows of the drive.
     """
     controller = controller or Controller()
-    if force_limit is None and np.isfinite(controller.u_max):
-        force_limit = controller.u_max
     findings = [*_signals(recording, controller)]
     if any(finding.severity == "error" for finding in findings):
         return tuple(findings)

@@ -1,5 +1,6 @@
 """From a log's file to a recording."""
 
+import math
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
@@ -30,7 +31,7 @@ class Reading:
     recording: Recording  # its signals in SI units on an even grid
     controller: Controller  # that was in use; kind none when it is not known
     findings: tuple[Finding, ...] = ()  # what was detected, filled in or cut off
-    force_limit: float | None = None  # of motor or amplifier [N], None when it is not known
+    force_limit: float | None = None  # of motor, amplifier or controller [N], None if unknown
     tau_i: float | None = None  # time constant of the amplifier's current loop [s], if known
     channels: tuple[Channel, ...] = ()  # its columns in their roles, without those in error
     description: Description = field(default_factory=Description)  # by which it was read
@@ -119,11 +120,14 @@ def read_recording(
     if commanded is not recording:
         what = "no velocity command was logged, but the cascade has velocity feedforward"
         findings.append(Finding("note", what, advice="the position command is differentiated"))
+    limit = _positive(table, given.force_limit, "force_limit")
+    if limit is None and math.isfinite(controller.u_max):
+        limit = controller.u_max
     return Reading(
         commanded,
         controller,
         tuple(findings),
-        _positive(table, given.force_limit, "force_limit"),
+        limit,
         tau_i=given.tau_i,
         channels=tuple(one for one in channels if one.role not in faults),
         description=given,

@@ -90,21 +90,26 @@ SLOW = 50.0
 sampling rate."""
 
 
+def datasheet_of(reading: Reading, force: Array, top: float, tau_i: float) -> Datasheet:
+    """Return what is known of the motor of a log with a force (n,) [N] and a top speed [m/s]."""
+    recording = reading.recording
+    step = recording.encoder_step or 1e-6 * top
+    return Datasheet(
+        peak_force=reading.force_limit or harm.LIMIT * float(np.max(np.abs(force))),
+        tau_i=tau_i,
+        encoder_step=step,
+        encoder_noise=encoder_noise(position_of(recording), step),
+    )
+
+
 def try_compensator(
     reading: Reading, estimation: Estimation, loop: VelocityLoop, settings: LearnSettings
 ) -> SimulatedTrial:
     """Try what may compensate at the log's own speed, or what the settings name."""
     top = float(np.quantile(np.abs(estimation.figures.velocity_recorded), 0.99))
     command = trapezoid_of(estimation.figures.velocity_recorded, top, estimation.recording.T_s)
-    strongest = float(np.max(np.abs(estimation.figures.measured)))
-    recording = reading.recording
-    step = recording.encoder_step or 1e-6 * top
-    sheet = Datasheet(
-        peak_force=reading.force_limit or 1e3 * strongest,
-        tau_i=loop.axis.tau_i,
-        encoder_step=step,
-        encoder_noise=encoder_noise(position_of(recording), step),
-    )
+    sheet = datasheet_of(reading, estimation.figures.measured, top, loop.axis.tau_i)
+    step = sheet.encoder_step
     law, friction = estimation.law, estimation.compensator
     known = known_friction(estimation, top, settings.friction_range)
     drives = family(law, friction, command, known)
