@@ -138,7 +138,8 @@ def printed(tutorial, tmp_path_factory):
 
 
 LONG = {
-    f"docs/{name}" for name in ("arena", "export", "fleet", "learning", "rig", "robots", "tuning")
+    f"docs/{name}"
+    for name in ("arena", "drives", "export", "fleet", "learning", "rig", "robots", "tuning")
 }
 """Pages whose commands learn and tune further drives, compare compensators, or export often."""
 RUN = [

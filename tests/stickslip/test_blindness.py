@@ -21,6 +21,7 @@ from stickslip.tuning.learning import Study
 from stickslip.tuning.loop_learning import LoopStudy, learn_loop
 from stickslip.tuning.refinement import refine
 from tests.cosim.single import repacked
+from tests.kept import further
 
 SOURCES = Path(stickslip.__file__).parent
 BLIND = [
@@ -102,7 +103,7 @@ def test_only_measurements_are_recorded_and_a_lie_about_the_truth_changes_nothin
     assert found(rig) == honest
 
 
-@pytest.mark.parametrize("name", ["static+ekbf", "lugre_network"])
+@pytest.mark.parametrize("name", ["static+ekbf", *further("lugre_network")])
 def test_nor_does_it_change_what_the_arena_tunes(tmp_path, name):
     (drive,) = (one for one in default_drives() if one.name == "lugre")
     build(tmp_path, Plan([drive], [name]))

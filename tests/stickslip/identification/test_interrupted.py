@@ -16,6 +16,7 @@ import pytest
 
 from stickslip.fmi.process import interruptible
 from stickslip.identification.criteria.runs import Runs
+from tests.kept import further
 
 ROOT = Path(__file__).parents[3]
 STRIDE = 7
@@ -45,7 +46,7 @@ def run(at, number):
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="needs SIGTERM")
-@pytest.mark.parametrize("how", ["notebook", "command line"])
+@pytest.mark.parametrize("how", ["command line", *further("notebook")])
 def test_a_pool_of_runs_ends_whichever_step_is_interrupted(how):
     done = subprocess.run(
         [sys.executable, __file__, how, str(STRIDE)],

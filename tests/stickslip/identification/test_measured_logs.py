@@ -102,6 +102,7 @@ def test_a_forced_compensator_has_the_whole_force_in_all_files(of_lugre, tmp_pat
 
 
 @pytest.mark.usefixtures("without_pictures")
+@pytest.mark.thorough
 def test_the_hysteresis_of_a_tribometer_and_nothing_untried(tmp_path):
     found = learned("tribometer", "test_data_2.txt", "tribometer.toml")
     estimation = found.estimation

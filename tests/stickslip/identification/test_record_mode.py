@@ -183,6 +183,7 @@ def watched(candidates, recording):
         return learn(Task(candidates, recording)), seen[-1]
 
 
+@pytest.mark.thorough
 def test_the_inverse_model_finds_what_shows_well_and_is_less_sure_than_the_loop(told, recorded):
     alone, _ = told
     assert alone.criterion == "inverse model"
@@ -215,6 +216,7 @@ def test_a_force_of_the_wrong_sign_and_missing_gains_are_told(recorded, candidat
         learn(Task(candidates, recording, settings=loop))
 
 
+@pytest.mark.thorough
 def test_a_stand_in_that_shakes_the_drive_otherwise_is_not_believed(told, candidates):
     """What no replica shows, here noise on the logged force, is none of the encoder's doing."""
     quiet = told[0].recording

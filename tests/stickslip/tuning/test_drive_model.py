@@ -61,6 +61,7 @@ def test_the_noise_of_the_encoder_is_found_from_the_errors_it_makes(bench_of, no
     assert model.mismatch < 0.5 * kept.ERRS_ALIKE
 
 
+@pytest.mark.thorough
 def test_a_drive_of_another_law_has_a_model_that_errs_like_it_with_other_friction(
     bench_of, monkeypatch
 ):

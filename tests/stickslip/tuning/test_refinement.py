@@ -50,6 +50,7 @@ def study_of(rig, found=None):
     return Study(rig, found.loop, {name: found.estimates[name] for name in LUGRE}, v_cmd)
 
 
+@pytest.mark.thorough
 def test_a_start_that_happens_to_fit_one_half_of_the_guide_does_not_stand(make_rig):
     rig = make_rig(position_dependent=True, position_amplitude=0.3, position_period=0.05)
     study = study_of(rig)
@@ -86,6 +87,7 @@ def test_what_is_kept_is_in_no_motion_worse_than_what_learning_began_with(
         assert ratios.median() < 0.6
 
 
+@pytest.mark.thorough
 def test_a_result_that_is_worse_at_slow_reversals_is_not_taken(make_rig):
     """A current loop ten times slower than its data sheet says looks like stiffness when fast."""
     study = study_of(make_rig(tau_i=1e-3))

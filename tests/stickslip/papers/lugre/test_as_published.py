@@ -45,6 +45,7 @@ def study(drive):
     return study_as_published(*drive, SEEDS, settings=SHORT, workers=2)
 
 
+@pytest.mark.thorough
 def test_the_search_lowers_the_cost_and_least_squares_does_so_in_a_fraction_of_its_runs(study):
     panel = study.panel().set_index("method")
     assert panel.seeds.tolist() == [2, 2, 2, 2]

@@ -193,6 +193,7 @@ def test_tuning_comes_near_the_exact_feedforward(built, loop):
     assert error(built, loop, "static", tuned.parameters) < 0.3 * error(built, loop, "none", {})
 
 
+@pytest.mark.thorough
 def test_experiments_show_a_drive_its_friction(built, loop):
     found = {name: tune(built, loop, entrant(name), SMALL, 0, Datasheet()) for name in EXPERIMENTS}
     errors, without = {}, error(built, loop, "none", {})
@@ -410,6 +411,7 @@ def test_the_winner_of_a_drive_is_exported_with_what_it_was_tuned_to(arena):
             assert (folder / "winners" / drive.name / f"{name}.c").exists()
 
 
+@pytest.mark.thorough
 def test_a_compensator_of_the_user_competes_like_the_others(tmp_path, monkeypatch):
     models.build_fmu("static_feedforward", tmp_path, called="mine")
     ports = tmp_path / "ports.toml"
@@ -458,6 +460,7 @@ def test_bad_ports_are_one_line(text, message, tmp_path, built):
         own_part(built / "static_feedforward.fmu", ports)
 
 
+@pytest.mark.thorough
 def test_a_learned_drive_is_one_more_drive(tmp_path):
     drive = learned_drive(Path(__file__).parents[4] / "results" / "paper" / "learned.json")
     assert drive.name == "paper"

@@ -25,6 +25,7 @@ def written(folder, *arguments, **options):
     return fleet
 
 
+@pytest.mark.thorough
 def test_a_drive_that_kills_its_worker_fails_and_no_other(drives, tmp_path):
     job, execution = Deadly(os.getpid()), Execution(2, "processes")
     fleet = learn_fleet(drives("a", "kills", "b"), tmp_path / "out", execution=execution, job=job)
@@ -105,6 +106,7 @@ def test_files_of_the_user_survive_a_study_that_fails_and_resumes(drives, tmp_pa
 
 
 @pytest.mark.parametrize("places", [["here"], *further(["here", "dask"])])
+@pytest.mark.thorough
 def test_a_fleet_is_the_same_in_processes_of_dask(
     log, places, request, tmp_path, capsys, monkeypatch
 ):
