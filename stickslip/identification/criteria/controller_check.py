@@ -123,6 +123,16 @@ def check_controllers(
     return replace(recording, segments=segments), together
 
 
+def with_force(recording: Recording, gains: Mapping[str, float] | None) -> Recording:
+    """Return a recording in which the controller's command stands for a force not logged."""
+    known = recording.force, recording.friction, recording.force_command
+    if gains is None or any(one is not None for one in known):
+        return recording
+    with candidate_fmus() as fmus:
+        checked, check = check_controllers(fmus, recording, gains)
+    return replace(checked, force=check.force)
+
+
 def check_controller(
     fmus: Path, recording: Recording, gains: Mapping[str, float]
 ) -> ControllerCheck:

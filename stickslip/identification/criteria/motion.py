@@ -106,8 +106,8 @@ def measured_force(recording: Recording) -> Array:
         if signal is not None:
             return recording.moving(signal)
     raise UsageError(
-        f"{recording.source}: no force to compare laws by; log the motor's force or current, or"
-        " give <law NAME> with the controller whose command it was"
+        f"{recording.source}: no force; log the motor's force or current, or give <controller>"
+        " and <gain>"
     )
 
 

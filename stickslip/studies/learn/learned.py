@@ -14,6 +14,7 @@ from stickslip.cosim.display import html_table
 from stickslip.errors import with_settings
 from stickslip.evaluation.tracking import Tracking
 from stickslip.fmi.messages import escaped
+from stickslip.identification.criteria.controller_check import with_force
 from stickslip.identification.estimation import Estimation, LearnSettings, Task, candidate_fmus
 from stickslip.identification.estimation import learn as estimate
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
@@ -275,7 +276,8 @@ def learn_recording(
     faults = tuple(finding for finding in findings if finding.spoils)
     if settings.law == AUTO:
         progress.stage("comparing friction laws")
-        tried = predictions(recording, gains, workers=settings.workers)
+        compared = with_force(recording, gains)
+        tried = predictions(compared, gains, workers=settings.workers)
         choice = choose(tried, rotary=recording.rotary)
         settings = replace(settings, law=choice.chosen.candidate.law.name)
     with candidate_fmus(settings.law) as fmus:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from stickslip.identification.criteria.controller_check import check_controller, in_time
+from stickslip.identification.criteria.controller_check import check_controller, in_time, with_force
 from stickslip.identification.criteria.known_loop import KnownLoop, fmu_gains
 from stickslip.logs import Controller, Finding, Reading, Recording, check_recording, samples_late
 from stickslip.logs.checks import REMOVED
@@ -154,6 +154,16 @@ def test_a_force_that_is_logged_late_is_shifted():
     shifted, _ = in_time(Reading(late, Controller("PI", **gains)), ())
     assert samples_late(late) > 2
     np.testing.assert_array_equal(shifted.recording.force, late.force[samples_late(late) :])
+
+
+def test_a_force_that_was_not_logged_is_what_the_controller_commands():
+    stage = drives.recording("lugre", COMMAND)
+    gains = {name: drives.GAINS[name] for name in ("K_p", "K_i", "tau_f")}
+    assert with_force(stage, gains) is stage
+    silent = replace(stage, force=None)
+    assert with_force(silent, None) is silent
+    error = with_force(silent, gains).force - stage.force
+    assert np.sqrt(np.mean(error**2)) < 0.01 * np.ptp(stage.force)
 
 
 def test_another_controller_is_told_by_the_gains_given(candidates, motion):
