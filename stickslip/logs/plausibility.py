@@ -182,6 +182,14 @@ def _corrections(reading: Reading, ends: dict[str, float]) -> str:
     return f"give {' or '.join(options)}" + (", whichever is wrong" if len(options) > 1 else "")
 
 
+def correction(reading: Reading, role: str, factor: float) -> str:
+    """Return the setting that makes a signal ``factor`` times as large: its unit, or a scale."""
+    unit = _unit_for(reading, role, factor)
+    if unit and reading.description.column(role).scale is None:
+        return f"<unit {role}={unit.name}>"
+    return _scaled(reading, role, factor)
+
+
 def _scaled(reading: Reading, role: str, factor: float) -> str:
     """Return the setting that multiplies a signal by a factor."""
     scale = reading.description.column(role).scale

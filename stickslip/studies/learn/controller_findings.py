@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 
 from stickslip.identification.criteria.controller_check import check_reading, in_time
 from stickslip.logs import Finding, Reading
+from stickslip.logs.plausibility import correction
 from stickslip.thresholds import control_match
 
 
@@ -32,15 +33,16 @@ def check_description(reading: Reading, findings: Iterable[Finding]) -> tuple[Fi
     if not (check and check.error > control_match.NEAR):
         return found
     differs = f"it differs by {100 * check.error:.2g} %"
-    if check.factor != 1.0:
-        differs = f"the logged force is {check.factor:.3g} times as large"
     given = reading.recording.position_command is not None
     path = "the position command, of which half a sample counts, " if given else ""
+    advice = f"check {path}gains, tau_f, feedforward, the unit of the force and its limit"
+    if check.factor != 1.0:
+        differs = f"the logged force is {check.factor:.3g} times as large"
+        advice = f"give {correction(reading, 'force', 1.0 / check.factor)}, or correct the gains"
     other = Finding(
         "warning",
         "the controller as described does not command the logged force",
         f"{differs}; expected at most {100 * control_match.NEAR:g} %",
-        f"check {path}gains, tau_f, feedforward, the unit of the force and its limit; learn"
-        " would try compensators in another loop",
+        f"{advice}; learn would try compensators in another loop",
     )
     return (*found, other)

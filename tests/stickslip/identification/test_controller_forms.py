@@ -9,8 +9,11 @@ from scipy.signal import lfilter
 from stickslip.identification.criteria.controller_check import check_controller, in_time, with_force
 from stickslip.identification.criteria.known_loop import KnownLoop, fmu_gains
 from stickslip.logs import Controller, Finding, Reading, Recording, check_recording, samples_late
+from stickslip.logs.channels import Channel
 from stickslip.logs.checks import REMOVED
 from stickslip.logs.plausibility import DIFFER
+from stickslip.logs.units import unit_named
+from stickslip.studies.learn.controller_findings import check_description
 from tests.stickslip.identification import drives
 
 T_S = 5e-4
@@ -164,6 +167,17 @@ def test_a_force_that_was_not_logged_is_what_the_controller_commands():
     assert with_force(silent, None) is silent
     error = with_force(silent, gains).force - stage.force
     assert np.sqrt(np.mean(error**2)) < 0.01 * np.ptp(stage.force)
+
+
+@pytest.mark.parametrize(("factor", "advice"), [(1e3, 'unit="mN"'), (3.0, "scale=0.3333")])
+def test_a_force_out_of_scale_with_its_command_names_what_corrects_it(factor, advice):
+    stage = drives.recording("lugre", COMMAND)
+    gains = {name: drives.GAINS[name] for name in ("K_p", "K_i", "tau_f")}
+    log = replace(stage, force=factor * stage.force)
+    channel = Channel("force", "force", unit_named("N"))
+    reading = Reading(log, Controller("PI", **gains), channels=(channel,))
+    [found] = check_description(reading, ())
+    assert f'("force": Column({advice})' in found.advice.replace("{", "(")
 
 
 def test_another_controller_is_told_by_the_gains_given(candidates, motion):
