@@ -161,6 +161,8 @@ def _contradiction(
             ends = {b: 1 / factor, "position": factor, "time": 1 / factor}
         advice = _corrections(reading, ends)
         yield Finding("error", what, f"{figure}, near {name}", f"{advice}; {leave}")
+    elif b.endswith("_command") and likeness < log_unit.SURE_IMAGE:
+        return  # a drive that sticks follows its command by a part of it
     elif not 1 / most <= abs(ratio) <= most:
         advice = f"a gear or the pitch of a screw is set by {_scaled(reading, b, 1 / abs(ratio))}"
         what = f"{a} and {b} {DIFFER}"
