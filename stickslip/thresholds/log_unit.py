@@ -5,7 +5,7 @@ from stickslip.thresholds import Threshold
 IMAGE = Threshold(0.8, "decision 38")
 """Correlation from which on one signal is the other's image, whose scales are compared."""
 SURE_IMAGE = Threshold(0.98, "decision 38: 3 instead of 10 of 1,500 sound loops are refused")
-"""The same for an inverted image, for a small factor of units, and for any scale of a command: small
+"""The same for an inverted image, for a small factor of units, and for any scale of a command: the
 moves of drives that stick were 0.4 of it at a correlation of up to 0.96."""
 SMALL = Threshold(20.0, "decision 38")
 """Factor of units below which it takes such a correlation."""
