@@ -33,7 +33,7 @@ def checked(function: F) -> F:
     """Return a function whose errors name an argument that it has not, or of another class.
 
     Classes are those of the annotations. They are compared where the function fails as Python does,
-    not with a Fault: what works with another class goes on working.
+    not with a Fault, and a text with a list of them: what works with another class goes on working.
 
     Raises TypeError.
     """
@@ -56,11 +56,11 @@ def checked(function: F) -> F:
             raise TypeError(f"{name}: {first}: give it by name; arguments with a name: {wanted}")
         try:
             return function(*args, **given)
-        except Fault:
-            raise
-        except (AttributeError, TypeError, ValueError) as fault:
+        except (Fault, AttributeError, TypeError, ValueError) as fault:
             for key, value in (*zip(names, args, strict=False), *given.items()):
-                if not _fits(value, _kind(function, key)):
+                kind = _kind(function, key)
+                letters = isinstance(value, str) and _fits([value], kind)  # for a list of texts
+                if not _fits(value, kind) and (letters or not isinstance(fault, Fault)):
                     kind = taken.parameters[key].annotation
                     expected, got = getattr(kind, "__name__", kind), printable(repr(value), 80)
                     raise TypeError(f"{name}: {key}: expected {expected}, got {got}") from fault
@@ -84,7 +84,10 @@ def public(value: Any) -> Any:
 @cache
 def _kind(function: Callable[..., object], name: str) -> object:
     """Return what an annotation means; ``object`` where it names what is imported for it alone."""
-    text, space = function.__annotations__.get(name, object), function.__globals__
+    own = signature(function).parameters.get(name)  # also of options that it passes on
+    if own is None or (text := own.annotation) is Parameter.empty:
+        return object
+    space = function.__globals__
     package, words = import_module(_PACKAGE), {*re.findall(r"\w+", str(text))} - {*space}
     names = {word: getattr(package, word) for word in words & {*dir(package)}}
     if "pd" in str(text):

@@ -168,7 +168,7 @@ def optimise(
     ranges : name -> (lowest, start, highest), or (lowest, highest) to start with the value of the
         system, in the unit of the variable; searched by the logarithm where the lowest is above 0
     cost : of a result, 0 or more
-    evaluations : budget of runs
+    evaluations : budget of runs; the first generation, of about ten, is run whatever it is
     algorithm : ``default``, ``paper`` or ``cma``
     seed : random seed; the same seed gives the same search, whatever the workers
     start, stop, step, record and all others : as of ``simulate``

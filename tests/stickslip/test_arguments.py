@@ -77,6 +77,11 @@ def test_an_error_of_a_function_of_the_user_stays_as_it_is():
         run(lambda: None, "x")
 
 
+def test_a_text_is_no_list_of_texts():
+    with pytest.raises(TypeError, match=r"^arena: only: expected Sequence\[str\], got 'lugre'"):
+        ss.arena(only="lugre")
+
+
 def test_public_functions_go_to_other_processes():
     assert pickle.loads(pickle.dumps(ss.simulate)) is ss.simulate  # noqa: S301
 
