@@ -22,6 +22,8 @@ End = Literal["low", "high"]
 MODELS = Path(__file__).parents[1]
 _OPTIONAL = {"at_least", "spread", "shown_by", "requires", "weakest"}
 _KNOWLEDGE = {"symbol", "coordinate", "choices", *_OPTIONAL}
+_KEYS = {"title", "description", "steady", "passive", "smooth", "candidate", "co_simulation_only"}
+_TABLES = {"parameters", "states", "modes", "events", "force"}
 
 
 def roots() -> tuple[Path, Path]:
@@ -146,6 +148,7 @@ def require_known(where: str, words: Iterable[str], known: Iterable[str]) -> Non
 def read_law(folder: Path) -> Law:
     """Read ``law.toml`` in a law's folder; DescriptionError when the file is not well formed."""
     content = read_toml(folder / "law.toml")
+    require_known(f"{folder.name}/law.toml, its keys", content, sorted(_KEYS | _TABLES))
     try:
         given = content["parameters"].items()
         tables = {name: {"variability": "tunable", **table} for name, table in given}
