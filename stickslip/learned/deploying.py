@@ -175,9 +175,9 @@ def _steps(
         )
         yield (
             "run the motions of the machine",
-            "the error at reversals is smaller than without the added force. Of the error that friction"
-            " causes, which is that beyond a run without friction, such as a simulation, this is"
-            f" predicted to be left: {left}",
+            "the error at reversals is smaller than without the added force. Of the error that"
+            " friction causes, which is that beyond a run without friction, such as a simulation,"
+            f" this is predicted to be left: {left}",
             "record a log with the added force and one without it, and compare them as"
             " docs/results.md says, with ../learned.json",
         )
