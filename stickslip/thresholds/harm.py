@@ -51,7 +51,7 @@ RESERVE = Threshold(1.3, "decision 62")
 WIDE = Threshold(3.0, "decision 140: 28 values of sigma_0 that logs do not show were 2.5 at most")
 """Value of one that is poorly identified on which a compensator is tried, over that fitted."""
 LIMIT = Threshold(
-    10.0, "decision 163: a loop that ran away took over 34 min with 1000, 43 s with 10"
+    10.0, "decision 163: a loop that ran away took 34 min with 1000, 43 s with 10"
 )
 """Largest force of a motor whose limit is not known, over the strongest in the log."""
 PROMISED = Threshold(2.0, "docs/measurements/sound-drives.md: 168 of 190 true ratios lie there")
