@@ -2,8 +2,9 @@
 
     F(t - delay) = m a + b v + s F_f(v) + F_0
 
-F_f comes from the compensator FMU, driven by the recorded velocity; s is 1, or by what a weight
-that the drive holds multiplies friction; all terms are low-passed alike.
+F_f comes from the compensator FMU, driven by the recorded velocity, whose sudden changes are kept;
+s is 1, or by what a weight that the drive holds multiplies friction.
+All terms are low-passed alike.
 They are compared in rows, means of q samples: friction changes slower than a fast log is sampled,
 and encoder noise that outweighs the acceleration would hide the mass.
 Where friction itself was measured, it stands alone: F = F_f(v) + F_0.
@@ -33,13 +34,15 @@ from stickslip.identification.criteria.runs import Criterion, Recent, Rows, Runs
 from stickslip.logs import Recording
 from stickslip.models import Law
 from stickslip.servo.lanes import Run
-from stickslip.servo.measurement import Array, smoothed
+from stickslip.servo.measurement import Array, derivative, smoothed
 from stickslip.thresholds import row_rate
 
 FEWEST = 4_000  # rows that further averaging leaves
 EDGE = 4.0  # periods of the cut-off that the filter needs at either end
 GUARD = 1.0  # time around rest in which the low-pass mixes both, in periods of the cut-off
 REST = 3.0  # speed up to which a drive may be at rest, in deviations of its noise
+QUICKER = (2.0, 4.0, 8.0)  # cut-offs of sudden changes of the velocity, over that of the force
+MOST = 0.4  # the same over the rows' rate, at most
 
 
 def friction_run(fmus: Path, v: Array, T_s: float) -> cosim.Specification:
@@ -107,7 +110,8 @@ class InverseModel(Criterion):
         self.moves = np.convolve(rests, near, "same") < 0.5
         self.slides = self.moves | bool(presliding(self.law))
         # The velocity of row n + 1 is the one at the end of the step from t[n].
-        self.inputs = {"v": np.append(self.motion.v[1:], self.motion.v[-1])}
+        v = self._sudden(noise / np.sqrt(self.q))
+        self.inputs = {"v": np.append(v[1:], v[-1])}
         self.linear = np.column_stack([self.motion.a, self.motion.v, np.ones_like(self.t)])
         self._runs = [
             Runs(friction_run(fmus, self.motion.v[log], self.T_s), workers) for log in self.logs
@@ -118,6 +122,20 @@ class InverseModel(Criterion):
             between[log] = False
         self.slides &= ~between
         self._of_laws = Recent(self._frictions_of_laws)
+
+    def _sudden(self, noise: float) -> Array:
+        """Return the velocity (n,) with which the law runs [m/s], of a position with noise [m].
+
+        Where it changes by more than its noise, it is low-passed less: a low-pass makes a drive
+        that stops swing back by more than a stiff contact bends, and so its friction reverse.
+        """
+        v = self.motion.v
+        for times in QUICKER:
+            cutoff = min(times * self.cutoff, MOST / self.T_s)
+            quick = derivative(smoothed(self.position, self.T_s, cutoff), self.T_s)
+            sure = REST * velocity_noise(noise, self.T_s, cutoff)
+            v = np.where(np.abs(quick - v) > sure, quick, v)
+        return v
 
     def _used(self) -> Rows:
         """Return the rows that count: not those in which a log begins or ends."""
