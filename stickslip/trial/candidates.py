@@ -7,7 +7,7 @@ the peak sensitivity, instead of a search on the drive. Each is first run once o
 the family; the best of each kind are then tried on all of it, each at the best share of its force.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -33,7 +33,8 @@ from stickslip.trial.benefit import Bench, Benefit, Variant, feedforward
 
 AUTO = "auto"  # stands for the compensator that does best, and for the law that a log shows
 QUICK = 3  # drives on which candidates are compared first: as fitted, less, more friction
-TRIED = 2  # Observers, and combinations, that are then tried on all drives
+TRIED = 2  # observers, and combinations, that harm nowhere, which are then tried on all drives
+MOST_TRIED = 4  # the same with those that harm
 SLOWER = (0.1, 1e-2, 1e-3, 1e-4)  # rates of the disturbance, over that of the fastest filter
 GRID = 8  # values of a gene that are compared by sensitivity and expected error
 LATER = 2.0  # factor from one onset to the next that is tried
@@ -246,8 +247,22 @@ class _Candidates(ExitStack):
         alone: list[tuple[Row | None, Part]] = [(None, part) for part in observers]
         for pairs in (alone, list(product(acceptable, observers))):
             quick = [(self._quick(*pair), k) for k, pair in enumerate(pairs)]
-            for _, k in sorted(quick)[:TRIED]:
-                rows += self._observer(*pairs[k])
+            rows += self._tried([pairs[k] for ratio, k in sorted(quick) if np.isfinite(ratio)])
+        return rows
+
+    def _tried(self, pairs: Iterable[tuple[Row | None, Part]]) -> list[Row]:
+        """Return the rows of the first pairs that harm nowhere, and of those before them.
+
+        An observer is tried behind one feedforward: what it does depends little on which.
+        """
+        rows: list[Row] = []
+        seen: set[str] = set()
+        for behind, part in pairs:
+            if part.name not in seen:
+                rows += self._observer(behind, part)
+            seen.add(part.name)
+            if sum(one.acceptable for one in rows) == TRIED or len(rows) == MOST_TRIED:
+                break
         return rows
 
     def named(self, name: str) -> list[Row]:
