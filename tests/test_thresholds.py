@@ -138,7 +138,7 @@ POOR_ONE = {"F_c": 1.0, "sigma_0": 1.0}
 
 
 WORSE_ON_SOME = tuple(TrialError(1.0, "", 1.0, ratio) for ratio in (0.5, 0.6, 1.0, 1.1, 1.1))
-WORSE_ON_ONE = tuple(TrialError(1.0, "", 1.0, ratio) for ratio in (0.5, 0.6, 1.0, 1.0, 1.4))
+WORSE_ON_ONE = tuple(TrialError(1.0, "", 1.0, ratio) for ratio in (0.5, 0.6, 1.0, 1.0, 1.5))
 SLOW_MOVES = tuple(TrialError(1.0, "", 1.0, ratio, SLOW_MOVE) for ratio in (0.9, 1.5, 2.7))
 COARSE = Drive("lugre", "lugre", {"F_c": 6.0, "sigma_0": 6e5})
 RIGID = Drive("rigid", "coulomb_stribeck", {"F_c": 6.0, "F_s": 9.0})
