@@ -11,7 +11,7 @@ DRIVES = Threshold(0.75, "decision 135: with 0.5, three of four drives were up t
 MORE = Threshold(1.05, "decision 140: at 1.02 a compensator that leaves 0.54 was refused for 1.04")
 """Largest ratio on that share of the drives."""
 SCATTER = Threshold(
-    1.4, "decision 166: at 1.3 three that do no harm were refused for 1.28 to 1.31 by chance"
+    1.4, "decision 166: at 1.3 a force that does no harm was reduced for 1.31, once 1.294"
 )
 """The largest ratio on any drive; single runs stick and slip by chance."""
 SLOWLY = Threshold(
