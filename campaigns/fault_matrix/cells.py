@@ -19,6 +19,7 @@ from stickslip.logs import Description, Finding, raise_errors, read_and_check
 from stickslip.models import build_fmu
 from stickslip.servo.systems import Compensator, build_fmus, build_loop
 from stickslip.studies.learn.learned import LearnedFromRecording
+from stickslip.trial.benefit import feed_of
 
 MASS_TOLERANCE = 0.02
 FRICTION_TOLERANCE = 0.05
@@ -46,8 +47,8 @@ def outcome_of(
         learned = ss.learn(path, description)
     except StickslipError as error:
         return "refused", str(error).splitlines()[0][-200:]
-    if learned.refusal:
-        return "refused", learned.refusal[:200]
+    if learned.refusal or not learned.writes():
+        return "refused", (learned.refusal or "no compensator helps enough")[:200]
     remarks = frozenset(map(_words, learned.estimation.faults))
     wrong = "; ".join(_wrong(fmus, drive, learned))
     if not wrong:
@@ -100,10 +101,12 @@ def _chosen(learned: LearnedFromRecording) -> dict[str, float]:
 def _worse(fmus: Path, drive: Drive, learned: LearnedFromRecording) -> Iterator[str]:
     """Yield commands that the drive follows worse with the compensator that would be written."""
     law, loop, trial = learned.estimation.law, drive.loop, learned.trial
-    build_fmu("compensator", fmus, law=law.name)
     chain = [Compensator("compensator", "compensator", learned.compensator)]
-    if trial is not None:
-        chain = list(trial.benefit.variant.share(law, trial.benefit.share).chain)
+    if trial is not None and (written := trial.compared.chosen.benefit):
+        chain = list(written.variant.share(law, written.share).chain)
+    for one in chain:
+        own = one.law or law.name if one.model == "compensator" else None
+        build_fmu(one.model, fmus, law=own, called=one.file or one.model)
     for speed in (1.0, 0.1, 0.01):
         command = replace(
             VALIDATION, height=speed * VALIDATION.height, slope=speed * VALIDATION.slope
@@ -111,7 +114,7 @@ def _worse(fmus: Path, drive: Drive, learned: LearnedFromRecording) -> Iterator[
         v_cmd = command.sample(np.arange(round(command.corners()[-1] / loop.T_s) + 1) * loop.T_s)
         errors = []
         for used in ([], chain):
-            system = build_loop(fmus, loop, used)
+            system = build_loop(fmus, loop, used, feed_of(used))
             stop = (len(v_cmd) - 1) * loop.T_s
             with system.prepare(step=loop.T_s, stop=stop, record=("drive.v",)) as simulation:
                 runs = [
