@@ -72,6 +72,7 @@ def test_seeds_side_by_side_learn_what_they_learn_alone(drive, study):
         pd.testing.assert_frame_equal(alone.tables()[name], together)
 
 
+@pytest.mark.thorough
 def test_each_seed_starts_at_the_identified_values_times_its_factors(drive, study):
     for start, ours in zip(study.seeds[START], study.seeds[OURS], strict=True):
         expected = coarsened(drive[1].estimates, draw_factors(start.seed))
@@ -81,6 +82,7 @@ def test_each_seed_starts_at_the_identified_values_times_its_factors(drive, stud
             assert first[name] == pytest.approx(start.parameters[name], rel=0.01)
 
 
+@pytest.mark.thorough
 def test_costs_and_errors_are_those_of_single_runs(drive, study):
     rig, identified = drive
     loop = identified.loop
