@@ -1,6 +1,7 @@
 """A controller is recognised as others sample it, and with what is added to output or command."""
 
 from dataclasses import replace
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -8,11 +9,13 @@ from scipy.signal import lfilter
 
 from stickslip.identification.criteria.controller_check import check_controller, in_time, with_force
 from stickslip.identification.criteria.known_loop import KnownLoop, fmu_gains
+from stickslip.identification.estimation import LearnSettings
 from stickslip.logs import Controller, Finding, Reading, Recording, check_recording, samples_late
 from stickslip.logs.channels import Channel
 from stickslip.logs.checks import REMOVED
 from stickslip.logs.plausibility import DIFFER
 from stickslip.logs.units import unit_named
+from stickslip.studies.learn import learned
 from stickslip.studies.learn.controller_findings import check_description
 from tests.stickslip.identification import drives
 
@@ -165,8 +168,14 @@ def test_a_force_that_was_not_logged_is_what_the_controller_commands():
     assert with_force(stage, gains) is stage
     silent = replace(stage, force=None)
     assert with_force(silent, None) is silent
-    error = with_force(silent, gains).force - stage.force
-    assert np.sqrt(np.mean(error**2)) < 0.01 * np.ptp(stage.force)
+    force = with_force(silent, gains).force
+    assert np.sqrt(np.mean((force - stage.force) ** 2)) < 0.01 * np.ptp(stage.force)
+    with (
+        patch.object(learned, "predictions", side_effect=InterruptedError) as compared,
+        pytest.raises(InterruptedError),
+    ):
+        learned.learn_recording(silent, gains, None, (), LearnSettings())
+    np.testing.assert_array_equal(compared.call_args.args[0].force, force)
 
 
 @pytest.mark.parametrize(("factor", "advice"), [(1e3, 'unit="mN"'), (3.0, "scale=0.3333")])

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from stickslip.identification.criteria import inverse_model
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.motion import Scale, scale_of
 from stickslip.identification.fitting.fit import ROUGH, fit
@@ -73,3 +74,19 @@ def test_a_recording_is_scaled_and_back():
         factor = 100.0 if name in lengths else 10.0
         np.testing.assert_allclose(getattr(there, name), factor * (t + 1.0))
     assert Scale(0.1, 0.01).recording(replace(there, force=None)).force is None
+
+
+def test_friction_at_rest_has_the_sign_with_which_the_drive_stopped(candidates, monkeypatch):
+    """A low-pass alone makes it swing back by more than its contact bends."""
+    v_cmd = 0.05 * np.repeat([0, 1, 0, -1, 0, 1, -1, 0], 250)
+    quick = {"sigma_0": 4e5, "sigma_1": 2e4, "K_p": 700.0, "K_i": 2e4, "T_s": 1e-3}
+    true = {**STAGE, **quick, "F_0": 0.0, "delay": 0.0, "delta": 1.0}
+    names = ("m", "b", "F_s", "F_c", "v_s", "sigma_0", "sigma_1", "F_0", "delay", "delta")
+    left = []
+    for cutoffs in (inverse_model.QUICKER, ()):
+        monkeypatch.setattr(inverse_model, "QUICKER", cutoffs)
+        with InverseModel(candidates, recording("lugre", v_cmd, **quick)) as inverse:
+            residual = inverse.residual({name: true[name] for name in names})
+        left.append(np.sqrt(np.mean(residual**2)))
+    assert left[0] < 0.1 * true["F_c"]
+    assert left[1] > 0.3 * true["F_c"]

@@ -25,6 +25,14 @@ def equals(recording: Recording, table: pd.DataFrame) -> None:
             np.testing.assert_allclose(signal, table[name], rtol=1e-12, err_msg=name)
 
 
+@pytest.mark.parametrize(("stated", "limit"), [(None, 5.0), (4.5, 4.5)])
+def test_a_limit_that_is_not_stated_is_that_of_the_controller(table, read_log, stated, limit):
+    gains = {"K_p": 1.0, "u_max": 5.0}
+    given = Description(controller="P", gains=gains, force_limit=stated)
+    assert read_log(table.to_csv(index=False), given).force_limit == limit
+    assert read_log(table.to_csv(index=False), Description()).force_limit is None
+
+
 @pytest.mark.parametrize("delimiter", [",", ";", "\t", "|", " "])
 @pytest.mark.parametrize("decimal", [".", ","])
 @pytest.mark.parametrize("header", [True, False])

@@ -3,6 +3,7 @@
 from contextlib import closing
 from dataclasses import replace
 from functools import partial, partialmethod
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -29,7 +30,14 @@ from stickslip.trial.benefit import (
     feedforward,
     is_harmless,
 )
-from stickslip.trial.candidates import CompensatorComparison, Row, compare, law_of, offered
+from stickslip.trial.candidates import (
+    CompensatorComparison,
+    Row,
+    _Candidates,
+    compare,
+    law_of,
+    offered,
+)
 from stickslip.trial.compensator_trial import soft_rise, unseen
 from stickslip.trial.family import SLOW_MOVE, SWEEP, Drive, Evidence, family
 
@@ -140,6 +148,18 @@ def row(name: str, simplicity: int, *ratios: float, motion: str = "motion {}") -
 
 
 on_drives = partial(row, motion="one")
+
+
+def test_each_observer_is_tried_behind_one_feedforward_until_two_harm_nowhere():
+    def tried(*harmful):
+        rows = {name: row(name, 4, 1.5 if name in harmful else 0.5) for name in "abcde"}
+        owner = SimpleNamespace(_observer=lambda _, part: [rows[part.name]])
+        pairs = [(None, SimpleNamespace(name=name)) for name in "aabbcde"]
+        return "".join(one.name for one in _Candidates._tried(owner, pairs))
+
+    assert tried() == "ab"
+    assert tried("a") == "abc"
+    assert tried(*"abcde") == "abcd"
 
 
 def test_a_tie_goes_to_the_simpler_and_what_harms_is_not_chosen():

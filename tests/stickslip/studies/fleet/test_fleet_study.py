@@ -14,7 +14,6 @@ from stickslip.studies.fleet.study import learn_fleet
 from stickslip.studies.fleet.table import read_fleet
 from stickslip.studies.fleet.writing import fleet_table, write_fleet
 from stickslip.work.jobs import DIED, Execution
-from tests.kept import further
 
 pytestmark = pytest.mark.slow
 
@@ -105,7 +104,7 @@ def test_files_of_the_user_survive_a_study_that_fails_and_resumes(drives, tmp_pa
     assert {path for path in (out / "unfinished").rglob("*") if path.is_file()} < mine
 
 
-@pytest.mark.parametrize("places", [["here"], *further(["here", "dask"])])
+@pytest.mark.parametrize("places", [["here"], ["here", "dask"]])
 @pytest.mark.thorough
 def test_a_fleet_is_the_same_in_processes_of_dask(
     log, places, request, tmp_path, capsys, monkeypatch
