@@ -50,7 +50,7 @@ RESERVE = Threshold(1.3, "decision 62")
 """Largest static friction of a drive on which a compensator is tried, over that in the log."""
 WIDE = Threshold(3.0, "decision 140: 28 values of sigma_0 that logs do not show were 2.5 at most")
 """Value of one that is poorly identified on which a compensator is tried, over that fitted."""
-LIMIT = Threshold(10.0, "decision 163: a loop that ran away took 34 min with 1000, 43 s with 10")
+LIMIT = Threshold(10.0, "decision 163: runs of a loop that ran away: over 34 min with 1000, 43 s")
 """Largest force of a motor whose limit is not known, over the strongest in the log."""
 PROMISED = Threshold(2.0, "docs/measurements/sound-drives.md: 168 of 190 true ratios lie there")
 """Factor by which the ratio of errors of the true drive may lie beyond the range over the simulated

@@ -42,7 +42,7 @@ EDGE = 4.0  # periods of the cut-off that the filter needs at either end
 GUARD = 1.0  # time around rest in which the low-pass mixes both, in periods of the cut-off
 REST = 3.0  # speed up to which a drive may be at rest, in deviations of its noise
 QUICKER = (2.0, 4.0, 8.0)  # cut-offs of sudden changes of the velocity, over that of the force
-MOST = 0.4  # the same over the rows' rate, at most
+QUICKEST = 0.4  # the same over the rows' rate, at most
 
 
 def friction_run(fmus: Path, v: Array, T_s: float) -> cosim.Specification:
@@ -131,7 +131,7 @@ class InverseModel(Criterion):
         """
         v = self.motion.v
         for times in QUICKER:
-            cutoff = min(times * self.cutoff, MOST / self.T_s)
+            cutoff = min(times * self.cutoff, QUICKEST / self.T_s)
             quick = derivative(smoothed(self.position, self.T_s, cutoff), self.T_s)
             sure = REST * velocity_noise(noise, self.T_s, cutoff)
             v = np.where(np.abs(quick - v) > sure, quick, v)
