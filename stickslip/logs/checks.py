@@ -275,8 +275,9 @@ def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
     yield Finding.either(fine, words, figure, advice)
     if shown.spacing < log_content.SPACING:
         figure = f"{shown.spacing:.0f} samples between two"
-        what = "reversals are too fast for the sample rate"
-        yield Finding("warning", what, figure, "sample faster or move slower")
+        what, advice = "reversals are too fast for the sample rate", "sample faster or move slower"
+        hides = ("m",) if shown.inertial < log_content.INERTIAL else ()  # friction passes for it
+        yield Finding("warning", what, figure, advice, spoils="intervals", hides=hides)
     if shown.one_way:
         figure = f"{shown.reversals} reversals, and it slides in one direction only"
         advice = f"move it both ways, {PLAN} F_c"

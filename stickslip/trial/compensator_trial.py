@@ -323,7 +323,7 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
         raise ControlError("the mass is not known; learn from a log of position and motor force")
     for fault in estimation.faults:
         if "m" in fault.hides:
-            raise ControlError(f"{fault.what}; {fault.advice}")
+            raise ControlError(f"m is not known, as {fault.what}; {fault.advice}")
     rotary = reading.recording.rotary
     axis = Axis(known["m"].value, max(known["b"].value, 0.0), reading.tau_i or 0.0, rotary)
     T_s = estimation.recording.T_s

@@ -273,7 +273,7 @@ def learn_recording(
     recording = with_position_force(recording)
     recording, differing = with_log_offsets(recording)
     findings = (*findings, *differing)
-    faults = tuple(finding for finding in findings if finding.spoils)
+    faults = tuple(finding for finding in findings if finding.spoils or finding.hides)
     if settings.law == AUTO:
         progress.stage("comparing friction laws")
         compared = with_force(recording, gains)

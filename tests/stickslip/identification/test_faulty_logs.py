@@ -14,10 +14,11 @@ from stickslip.identification.estimation import LearnSettings, Task, learn
 from stickslip.identification.estimation.faults import change_of_friction
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.identification.fitting.start import begin
-from stickslip.logs import Controller, Finding, Recording
+from stickslip.logs import Controller, Finding, Recording, check_recording
 from stickslip.planning import Limits, plan
 from stickslip.servo.axis import ControlError
 from stickslip.servo.systems import build_fmus
+from stickslip.studies.learn.learned import learn_recording
 from stickslip.trial.compensator_trial import loops_of_log
 from tests.kept import further
 from tests.stickslip.identification.drives import GAINS, recording
@@ -82,6 +83,30 @@ def test_friction_is_learned_without_a_mass(mass, spoils):
     reading = type("Reading", (), {"recording": log, "controller": Controller(), "tau_i": 0})
     with pytest.raises(ControlError, match="the mass does not show"):
         loops_of_log(reading, found)
+
+
+@pytest.mark.parametrize(("mass", "known"), [(0.02, False), (2.0, True)])
+def test_a_mass_beside_the_friction_of_quick_reversals_is_not_known(mass, known):
+    """After slow motion, with 13 samples from one to the next."""
+    t = np.arange(2000) * 0.01
+    v_cmd = 0.05 * np.sin(2.0 * np.pi * np.where(t < 14.0, 0.5, 4.0) * t)
+    x = 0.01 * np.cumsum(v_cmd)
+    v = np.gradient(x, t)
+    log = Recording(t, x, F_C * np.sign(v) + mass * np.gradient(v, t), source="it")
+
+    def design(estimation):
+        reading = type("Reading", (), {"recording": log, "controller": Controller(), "tau_i": 0})
+        return loops_of_log(reading, estimation)
+
+    settings = LearnSettings(law="coulomb_stribeck")
+    found = learn_recording(log, None, design, check_recording(log), settings)
+    m = found.estimation.known["m"]
+    assert (m.identifiability != NOT_IDENTIFIABLE) == known
+    assert m.low <= mass <= m.high
+    assert [fault.spoils for fault in found.estimation.faults][:1] == ["intervals"]
+    assert "identifiable" not in {one.identifiability for one in found.estimation.known.values()}
+    if not known:
+        assert str(found.loops).startswith("m is not known, as reversals are too fast")
 
 
 def recorded(name, drift, folder):
