@@ -30,7 +30,7 @@ ONE_WAY = Threshold(0.01)
 """Share of sliding in the other direction below which F_c and the offset cannot be told apart."""
 REVERSALS = Threshold(2)
 """Reversals below which F_c and the offset are hard to separate."""
-SPACING = Threshold(20, "test_faulty_logs.py: at 13 b is 33 N s/m where there is none", unit="samples")
+SPACING = Threshold(20, "test_faulty_logs.py: at 13, b is 33 N s/m for 0", unit="samples")
 """Distance of two reversals below which they are too fast for the sample rate."""
 TURN = Threshold(3)
 """Samples, and encoder steps, in which friction reverses, below which sigma_0 hardly shows."""
