@@ -15,6 +15,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 from typing import IO
 
@@ -181,7 +182,8 @@ def _unpack_new(file: IO[bytes], folder: Path) -> None:
         checks = extract(file, temporary / "new")
         files = _files(temporary / "new")
         unpacked = {name: [*found, checks[name]] for name, found in files.items()}
-        atomic_write(folder.with_suffix(".json"), json.dumps(unpacked))
+        listed = atomic_write(temporary / "list", json.dumps(unpacked))  # there may be thousands
+        listed.replace(folder.with_suffix(".json"))  # of names beside the folder, which it sweeps
         _replace(temporary / "new", folder)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
@@ -198,6 +200,7 @@ def _replace(new: Path, folder: Path) -> None:
         new.replace(folder)
 
 
+@cache  # once in a process: looking through a cache takes longer than unpacking into it
 def _tidy(room: Path) -> None:
     """Remove what killed processes left, and what has not been used for months."""
     now = time.time()

@@ -19,7 +19,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 COLUMN = 89.0  # Width of one column [mm]
 PAGE = 183.0  # Width of two columns [mm]
-RESOLUTION = 300  # Of PNG files [dots per inch]
+RESOLUTION = 200  # Of PNG files [dots per inch]
 _SCREEN = 110  # Of figures in a notebook
 
 INK = "#1a1a1a"

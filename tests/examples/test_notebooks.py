@@ -25,8 +25,8 @@ NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
 WITHIN = {"arena": 0.3}
 """Relative differences of numbers; 0.02 where not given. A short search depends on rounding."""
 NAMES = {path.stem: path for path in NOTEBOOKS}
-LONG = {*("arena", "compensators", "frequency_response", "laws", "learn_from_a_log")}
-LONG |= {*("loop_design", "phenomena", "sweep_and_optimise")}
+LONG = {*("arena", "compensators", "export_and_run_elsewhere", "frequency_response", "laws")}
+LONG |= {*("learn_from_a_log", "loop_design", "phenomena", "sweep_and_optimise")}
 """They take most of the time of all, for calls that other tests and pages make as well."""
 
 

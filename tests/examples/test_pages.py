@@ -5,6 +5,7 @@ Comments that a page does not show say what a snippet needs:
     <!-- first: COMMAND -->   a command of bash before the next snippet, for what the reader has
     <!-- file: NAME -->       the next block is that file
     <!-- not run: REASON -->  the next block needs what is not here
+    <!-- long: REASON -->     the next block is run with the thorough tests only
 
 ``$TUTORIAL`` is the folder in which docs/tutorial.md was followed. docs/adding.md is followed in a
 copy of the sources, to which it adds one of each kind.
@@ -25,13 +26,13 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from tests.kept import further, kept
+from tests.kept import kept
 
 ROOT = Path(__file__).parents[2]
 PAGES = [*sorted(ROOT.glob("docs/*.md")), ROOT / "README.md"]
 SOURCES = ("cosim", "fmi", "fmucheck", "ga", "models")
 BLOCK = re.compile(
-    r"^(?: *<!-- (?P<mark>first|file|not run): (?P<value>.*?) -->\n)|"
+    r"^(?: *<!-- (?P<mark>first|file|not run|long): (?P<value>.*?) -->\n)|"
     r"^(?P<fence>```|~~~)(?P<language>\w*)\n(?P<text>.*?)^(?P=fence)",
     re.S | re.M,
 )
@@ -47,6 +48,7 @@ class Snippet(NamedTuple):
     first: str = ""
     file: str = ""
     not_run: str = ""
+    long: str = ""
 
 
 def snippets(page: Path) -> Iterator[Snippet]:
@@ -61,15 +63,15 @@ def snippets(page: Path) -> Iterator[Snippet]:
         marks = {}
 
 
-def follow(page: Path, folder: Path, **environment: str) -> list[str]:
-    """Run the snippets of a page in a folder; return what each prints."""
+def follow(page: Path, folder: Path, *, long: bool = True, **environment: str) -> list[str]:
+    """Run the snippets of a page, or those that are not long; return what each prints."""
     bin_folder = Path(sys.executable).parent
     env = {**os.environ, **environment}
     env["PATH"] = f"{bin_folder}{os.pathsep}{env['PATH']}"
     printed = []
     try:
         for one in snippets(page):
-            if one.not_run:
+            if one.not_run or (one.long and not long):
                 continue
             if one.first:
                 run(["bash", "-euc", one.first], folder, env)
@@ -126,13 +128,13 @@ def tutorial():
 @pytest.fixture(scope="module")
 def printed(tutorial, tmp_path_factory):
     """Return what the snippets of a page print; each page is followed once."""
-    done: dict[str, list[str]] = {"docs/tutorial": tutorial[1]}
+    done = {("docs/tutorial", False): tutorial[1]}
 
-    def printed(name: str) -> list[str]:
-        if name not in done:
-            page = ROOT / f"{name}.md"
-            done[name] = follow(page, tmp_path_factory.mktemp("page"), TUTORIAL=tutorial[0])
-        return done[name]
+    def printed(name: str, *, long: bool = False) -> list[str]:
+        if (name, long) not in done:
+            page, folder = ROOT / f"{name}.md", tmp_path_factory.mktemp("page")
+            done[name, long] = follow(page, folder, long=long, TUTORIAL=tutorial[0])
+        return done[name, long]
 
     return printed
 
@@ -147,12 +149,20 @@ RUN = [
     for page in PAGES
     if page.stem != "adding" and any(not one.not_run for one in snippets(page))
 ]
+MIXED = {name for name in RUN if any(one.long for one in snippets(ROOT / f"{name}.md"))}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [*sorted({*RUN} - LONG), *further(*sorted(LONG))])
+@pytest.mark.parametrize("name", sorted({*RUN} - LONG))
 def test_a_page_can_be_followed(printed, name):
     printed(name)
+
+
+@pytest.mark.slow
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", sorted(LONG | MIXED))
+def test_a_long_page_can_be_followed(printed, name):
+    printed(name, long=True)
 
 
 @pytest.mark.slow

@@ -52,6 +52,7 @@ def test_the_loop_gives_the_exponent_and_all_parameters(delta, pull, skipped, ca
         assert learned.parameters[name] == pytest.approx(value, rel=0.03), name
 
 
+@pytest.mark.thorough
 def test_wherever_the_search_ends_the_mean_force_finds_the_valley(candidates, monkeypatch):
     """Here it ended where bristles are too stiff to be seen, on a drive that rests for long."""
     module = import_module("stickslip.identification.estimation.learn")

@@ -32,6 +32,7 @@ def fitted(candidates, recording, q=None):
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_rows_give_the_values_of_the_samples_with_fewer_steps_of_the_law(candidates):
     recording = recorded(step=2e-9)
     (every, _, steps), (rows, q, fewer) = (fitted(candidates, recording, n) for n in (1, None))

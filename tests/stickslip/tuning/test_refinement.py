@@ -36,7 +36,8 @@ def test_it_corrects_what_the_training_run_shows_and_leaves_the_rest_to_identifi
     assert found.values["F_s"] == pytest.approx(study.start["F_s"].value, rel=0.03)
 
 
-@pytest.mark.parametrize("seed", [0, *further(5)])
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", [0, 5])
 def test_from_a_coarse_start_it_finds_friction_with_fewer_runs_than_ten_generations(study, seed):
     found = refine(replace(study, start=coarsened(study.start, draw_factors(seed))))
     assert found.runs < 100

@@ -23,6 +23,7 @@ from stickslip.servo.axis import ControlError
 from stickslip.studies.learn.folder import write_learned
 from stickslip.trial.benefit import Benefit, Variant
 from stickslip.trial.candidates import Row
+from tests.kept import further
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("without_pictures")]
 
@@ -110,8 +111,14 @@ def check_names(text, files):
             assert (name in files) == (left_out is None), sentence
 
 
-@pytest.mark.parametrize("force", [False, True])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    ("kind", "force"),
+    [
+        *((kind, False) for kind in KINDS),
+        *((kind, True) for kind in ("share", "harmful", "doubtful", "untried")),
+        *further(*((kind, True) for kind in ("sound", "nothing", "observer", "untried observer"))),
+    ],
+)
 def test_each_sentence_that_names_a_file_is_true(
     kind, force, sound, log, tmp_path, capsys, monkeypatch
 ):
