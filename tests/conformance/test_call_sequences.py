@@ -32,7 +32,7 @@ KINDS = {
     for model in MODELS
 }
 CASES = [(model, 3) for model in MODELS] + [(model, 2) for model in KINDS.values()]
-USUAL = {("stage_gms", 3), ("drive", 2), ("velocity_controller", 2)}
+USUAL = {("stage_gms", 3), ("velocity_controller", 2)}
 """Models whose calls are tried in every run of the tests."""
 SANITIZE = ["-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all"]
 DERIVED = ("derivative", "indicator", "mode")

@@ -125,6 +125,7 @@ def test_a_step_is_divided_just_when_its_error_is_not_allowed(mass_run, v, force
     assert next_step(1.1 * longest) != 1.0
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_step_of_more_than_ten_million_pieces_is_given_up(mass_run):
     """A mass that swings on bristles without loss needs two million pieces a second."""

@@ -48,9 +48,9 @@ def without_pictures(monkeypatch):
     monkeypatch.setattr("stickslip.presentation.page.Picture.of", blank)
 
 
-def reproduced(fmus: Path) -> Reproduction:
-    with pytest.MonkeyPatch.context() as patch:  # a third of the search learns nearly the same
-        patch.setattr("stickslip.tuning.loop_learning.EVALUATIONS", EVALUATIONS // 3)
+def reproduced(fmus: Path, share: int = 4) -> Reproduction:
+    with pytest.MonkeyPatch.context() as patch:  # a part of the search learns nearly the same
+        patch.setattr("stickslip.tuning.loop_learning.EVALUATIONS", EVALUATIONS // share)
         return reproduce(Options(seeds=1), fmus, SILENT, 2)
 
 

@@ -125,6 +125,7 @@ def test_a_changed_system_is_refused_and_the_change_named(linear, tmp_path, chan
     assert len(str(error.value)) < 1000
 
 
+@pytest.mark.thorough
 def test_what_changes_nothing_may_change(linear, tmp_path):
     """A later stop, names, outputs of the system, another way to step and to give parameters."""
     system = ring(linear(2))

@@ -72,6 +72,7 @@ def test_a_law_that_does_not_fit_says_so():
     assert np.isfinite(found.loop.K_p)
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("without_pictures", "untried")
 def test_a_log_of_another_law_gives_a_compensator_of_that_law(tmp_path):
     """Recorded without damping of the bristles, which Dahl's law does not have.

@@ -47,6 +47,7 @@ def test_a_force_out_of_scale_names_the_factor(short, candidates):
     assert "weakly identifiable at best" in learned.known["F_c"].sentence
 
 
+@pytest.mark.thorough
 def test_rejected_gains_change_nothing(short, candidates):
     """They once kept the correction of the encoder's bias from being made."""
     without = learn(Task(candidates, short))

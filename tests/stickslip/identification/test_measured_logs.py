@@ -9,7 +9,8 @@ from stickslip import cosim
 from stickslip.evaluation.tracking import VELOCITY
 from stickslip.fmi.files import digest
 from stickslip.learned.file import LearnedFile
-from stickslip.logs import load_description
+from stickslip.logs import load_description, read_and_check
+from stickslip.logs.excitation import excitation
 from stickslip.studies.learn.command import print_estimation
 from stickslip.studies.learn.folder import write_learned
 from stickslip.studies.learn.log_learning import learn
@@ -43,6 +44,7 @@ def of_lugre():
     return learned("emps", "DATA_EMPS.mat", "emps.toml", law="lugre", compensator="lugre")
 
 
+@pytest.mark.thorough
 def test_the_law_chosen_for_emps_predicts_as_well_as_friction_without_presliding(emps):
     found = emps.estimation
     force = {one.candidate.title: one.force for one in found.choice.predictions}
@@ -66,6 +68,7 @@ def test_lugre_predicts_emps_worse_than_coulomb_and_viscous_friction(of_lugre, c
     assert "stickslip plan --show sigma_0" in said
 
 
+@pytest.mark.thorough
 def test_emps_gives_the_published_parameters(emps):
     """Janot, Gautier, Brunot (2019): M, F_v, F_c and the offset, by least squares."""
     assert emps.estimation.figures.force_unfiltered < 0.0408
@@ -78,6 +81,18 @@ def test_emps_gives_the_published_parameters(emps):
     assert {known[name].identifiability for name in ("F_s", "v_s")} == {"not identifiable"}
 
 
+def test_a_straight_line_gives_about_the_published_mass_and_friction_of_emps():
+    path = DATA / "emps" / "DATA_EMPS.mat"
+    if not path.exists():
+        pytest.skip(f"{path} is not here")
+    reading, findings = read_and_check(path, load_description(EXAMPLES / "emps.toml"))
+    assert {one.severity for one in findings} <= {"note", "warning"}
+    shown = excitation(reading.recording)
+    assert shown.mass == pytest.approx(95.1089, rel=0.02)
+    assert shown.coulomb == pytest.approx(20.3935, rel=0.05)
+
+
+@pytest.mark.thorough
 def test_the_error_of_emps_is_that_of_its_loop_and_velocity_feedforward_removes_it(emps):
     """A position loop without velocity feedforward lags by v / K_x, 0.8 mm at 0.128 m/s."""
     verdict = verdict_of(emps)

@@ -52,6 +52,7 @@ def test_logs_of_other_motions_show_together_what_one_alone_does_not(candidates,
     assert found.errors()["F_s"] < 0.5 * alone.errors()["F_s"]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("share", [1.5, *further(0.6)])
 def test_a_log_whose_force_is_out_of_scale_is_named_with_its_factor(candidates, logs, share):
     wrong = replace(logs["creep"], force=share * logs["creep"].force)

@@ -112,6 +112,7 @@ def test_the_first_motion_is_that_of_the_fmu_and_each_begins_at_0(fmus):
         assert drive.state == "idle"
 
 
+@pytest.mark.thorough
 def test_messages_that_are_lost_late_or_doubled_change_nothing(fmus, monkeypatch):
     with served(fmus) as (drive, port), rig_at(port) as rig:
         expected, again = (rig.run(command_of(rig, 2000)) for _ in range(2))

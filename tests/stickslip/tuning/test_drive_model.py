@@ -53,6 +53,7 @@ def test_what_was_identified_is_taken_where_it_errs_like_the_drive(bench_of):
     assert model.mismatch < 0.5 * kept.ERRS_ALIKE
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("noise", [1.5e-7, *further(1e-7)])
 def test_the_noise_of_the_encoder_is_found_from_the_errors_it_makes(bench_of, noise):
     (model,) = fit_models(bench_of(noise=1.0, noise_x=noise))

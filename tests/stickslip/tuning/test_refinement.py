@@ -26,6 +26,7 @@ def start(study):
     return {name: study.start[name].value for name in LUGRE}
 
 
+@pytest.mark.thorough
 def test_it_corrects_what_the_training_run_shows_and_leaves_the_rest_to_identification(study):
     wrong = Estimate(PAPER["F_c"] * 1.05, 0.3)
     study = replace(study, start={**study.start, "F_c": wrong})

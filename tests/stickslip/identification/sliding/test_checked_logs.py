@@ -31,6 +31,7 @@ def checked(*paths):
     return [*check_logs(logs_of(paths, Description()))]
 
 
+@pytest.mark.thorough
 def test_a_log_of_an_arm_is_checked_with_the_weight_that_another_shows(tmp_path):
     wide = written(tmp_path, "wide.csv", swing(3.0, 5.0), g_s=6.0)
     slow = written(tmp_path, "slow.csv", 0.5 * np.pi + swing(1.2, 20.0), g_s=6.0)

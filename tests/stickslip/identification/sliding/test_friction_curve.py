@@ -56,6 +56,7 @@ def test_a_plain_drive_is_found_within_narrow_intervals() -> None:
     assert all(force < curve_shown.VARIES * F_C for force in found.varying.values())
 
 
+@pytest.mark.thorough
 def test_intervals_hold_where_friction_varies_and_what_varies_is_known_by_its_size() -> None:
     """Friction that differs between the directions is an offset."""
     found = recorded(1, guide=0.1, ripple=0.5, asymmetry=0.15)

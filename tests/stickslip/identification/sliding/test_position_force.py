@@ -65,6 +65,7 @@ def holds(found: PositionForce | None, truth: dict[str, float]) -> bool:
     return all(one.low <= truth.get(n, 0.0) <= one.high for n, one in found.terms.items())
 
 
+@pytest.mark.thorough
 def test_cogging_is_found_with_its_pitch_and_its_two_harmonics() -> None:
     found = find_position_force(moved(COGGING, guide=0.05, F_0=0.3))
     truth = {name: one * (F_C if name != "pitch" else 1.0) for name, one in COGGING.items()}

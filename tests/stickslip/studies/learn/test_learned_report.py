@@ -26,6 +26,7 @@ from stickslip.presentation.style import house_style
 from stickslip.studies.learn.page import FIGURES, use, write_estimation_report
 from stickslip.studies.learn.page.figures import _resolved, draw_residual
 from stickslip.studies.learn.page.tracking import tracking_section, window
+from tests.kept import further
 
 pytestmark = pytest.mark.slow
 
@@ -107,7 +108,7 @@ def made(kind="loop", n=30_000):
     )
 
 
-@pytest.fixture(scope="module", params=KINDS)
+@pytest.fixture(scope="module", params=[KINDS[0], *further(KINDS[1])])
 def written(request, tmp_path_factory):
     """The kind, its estimation, and a folder with its report."""
     folder = tmp_path_factory.mktemp("report") / request.param

@@ -60,7 +60,18 @@ def output(request, tmp_path_factory):
     printed = {}
     for command in (
         ["learn", log, "--check"],
-        ["learn", log, "--out", out, "--force", "-v"],
+        [
+            "learn",
+            log,
+            "--out",
+            out,
+            "--force",
+            "-v",
+            "--law",
+            "lugre",
+            "--compensator",
+            "static+dob",
+        ],
         *(
             ["export", what, "--parameters", learned, "--as", form, "--force", "--out", folder]
             for what in ("compensator", "observer")

@@ -65,6 +65,7 @@ def test_each_run_has_its_outcome(fmpy, tmp_path, capsys, monkeypatch):
     assert "no binary for this machine" in (tmp_path / "out" / "survey.html").read_text()
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_run_has_limited_time(tmp_path, capsys):
     write(tmp_path / "a.fmu", "out of time")
