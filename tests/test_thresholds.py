@@ -72,6 +72,7 @@ from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.studies.learn import controller_findings
 from stickslip.studies.learn.verdict import LoopShare
 from stickslip.studies.tune.on_rig import RigTest
+from stickslip.studies.tune.run import is_unfinished
 from stickslip.studies.validate import compared_logs, log_prediction, log_verdict
 from stickslip.trial import compensator_trial
 from stickslip.trial.benefit import NONE, MotionErrors, TrialError, is_harmless
@@ -1093,6 +1094,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "kept.FIT_WORSE": (lambda: refined(1.5), "start", "refined"),
     "kept.LOOP_WORSE": (lambda: taken_loop(1.03), "reference", "learned"),
     "kept.LOOP_BETTER/2": (lambda: taken_loop(1.0), "learned", "reference"),
+    "kept.ENDED/2": (lambda: is_unfinished(pd.DataFrame({"cost": [1.0, 1.0, 0.9]})), True, False),
     "kept.SENSITIVITY": (lambda: is_run(2.5), False, True),
     "kept.CHATTER": (lambda: is_within(chatter=0.45), False, True),
     "kept.FORCE/2": (lambda: is_within(peak=0.7), True, False),

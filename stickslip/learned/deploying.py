@@ -154,7 +154,9 @@ def _steps(
     raising = [one for one in checks if not one.startswith("drive disabled: ")]
     yield (
         (raising or ["raise the added force from 0 on a slow command"])[0],
-        "with a gain of 0.25, 0.5 and 1 the error at reversals becomes smaller each time",
+        f"on a motion of {_slow(verdict)} with a gain of 0.25, 0.5 and 1 the RMS error of the"
+        " velocity becomes smaller each time. In creep it may grow before the gain is 1, and in"
+        " fast motions by what friction hid of the lag of the loop",
         "gain 0; compare period, signs and units with those above",
     )
     if found := [one for one in tuning.get("ratios", ()) if one["of"] == "RMS"]:
@@ -175,12 +177,18 @@ def _steps(
         )
         yield (
             "run the motions of the machine",
-            "the error at reversals is smaller than without the added force. Of the error that"
-            " friction causes, which is that beyond a run without friction, such as a simulation,"
-            f" this is predicted to be left: {left}",
+            "the RMS error of slow motions is smaller than without the added force. Of the error"
+            " that friction causes, which is that beyond a run without friction, such as a"
+            f" simulation, this is predicted to be left: {left}",
             "record a log with the added force and one without it, and compare them as"
             " docs/results.md says, with ../learned.json",
         )
+
+
+def _slow(verdict: Mapping[str, Any]) -> str:
+    """Return the speed of the slowest motion that was tried at a stated speed."""
+    found = [one["motion"] for one in verdict.get("errors", ()) if one["motion"][0].isdigit()]
+    return found[-1] if found else "a tenth of the usual speed"
 
 
 def _gains(tuning: Mapping[str, Any], when: str) -> str:

@@ -194,6 +194,10 @@ def _signals(recording: Recording, controller: Controller) -> Iterator[Finding]:
         if recording.force_command is None and controller.kind == "none":
             advice = "log the motor's current, or give <controller>"
             yield Finding("error", "neither force nor friction", advice=advice)
+        elif recording.force_command is None:
+            what = "no force was logged; all forces follow from the gains that were given"
+            advice = "log the motor's current; friction and mass are as wrong as the gains"
+            yield Finding("warning", what, advice=advice, spoils="intervals")
         else:
             what = "no force was measured, only commanded"
             yield Finding("note", what, advice="the amplifier is taken to follow")

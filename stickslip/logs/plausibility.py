@@ -184,12 +184,22 @@ def _corrections(reading: Reading, ends: dict[str, float]) -> str:
     return f"give {' or '.join(options)}" + (", whichever is wrong" if len(options) > 1 else "")
 
 
-def correction(reading: Reading, role: str, factor: float) -> str:
-    """Return the setting that makes a signal ``factor`` times as large: its unit, or a scale."""
-    unit = _unit_for(reading, role, factor)
-    if unit and reading.description.column(role).scale is None:
-        return f"<unit {role}={unit.name}>"
-    return _scaled(reading, role, factor)
+def correction(reading: Reading, factor: float) -> str:
+    """Return settings that make the force ``factor`` times as large, or the motion smaller."""
+    unit = _unit_for(reading, "force", factor)
+    if unit and reading.description.column("force").scale is None:
+        options = [f"<unit force={unit.name}>"]
+    else:
+        options = [_scaled(reading, "force", factor)]
+    moved = {
+        role: one.name
+        for role in reading.assumed
+        if role.startswith(("position", "velocity"))
+        and (one := _unit_for(reading, role, 1 / factor))
+    }
+    if {"position", "velocity"} & moved.keys():
+        options.insert(0, f"<unit {' '.join(f'{role}={name}' for role, name in moved.items())}>")
+    return " or ".join(options) + (", whichever is wrong" if len(options) > 1 else "")
 
 
 def _scaled(reading: Reading, role: str, factor: float) -> str:

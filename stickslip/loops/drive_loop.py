@@ -101,6 +101,8 @@ class DriveLoop:
         for name in (*ranges, *(one for one in fixed if one not in components)):
             if name not in values:
                 raise UsageError(f"no '{name}' that may be tuned{suggestion(name, values)}")
+        if not values["controller.m_ff"]:  # feedforward of the learned mass is the usual best
+            values["controller.m_ff"] = self.loop.axis.m
         spans = {**self._spans(), **ranges}
         found = []
         for name, (low, high) in spans.items():

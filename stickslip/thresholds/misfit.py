@@ -20,4 +20,5 @@ LIKELY = Threshold(0.5)
 
 def excess(ratio: float, by: str = "noise and encoder steps") -> str:
     """Return an error in words, over the one that is explained ``by`` something."""
-    return f"{ratio:.2g} times what {by} explain (at most {EXPLAINED:g} is good)"
+    limits = f"at most {NOTED:g} is good; above {EXPLAINED:g} no interval holds"
+    return f"{ratio:.2g} times what {by} explain ({limits})"

@@ -38,7 +38,7 @@ def check_description(reading: Reading, findings: Iterable[Finding]) -> tuple[Fi
     advice = f"check {path}gains, tau_f, feedforward, the unit of the force and its limit"
     if check.factor != 1.0:
         differs = f"the logged force is {check.factor:.3g} times as large"
-        advice = f"give {correction(reading, 'force', 1.0 / check.factor)}, or correct the gains"
+        advice = f"give {correction(reading, 1.0 / check.factor)}, or correct the gains"
     other = Finding(
         "warning",
         "the controller as described does not command the logged force",

@@ -19,9 +19,10 @@ from matplotlib.figure import Figure
 from stickslip.compensators.entrants import parts
 from stickslip.errors import with_settings
 from stickslip.evaluation.tracking import FEEDFORWARD as WITH_FEEDFORWARD
-from stickslip.evaluation.tracking import FRICTIONLESS, NONE, Tracking
+from stickslip.evaluation.tracking import FRICTIONLESS, INERTIA, NONE, Tracking
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.logs import Motion
+from stickslip.models.export.units import motion_unit
 from stickslip.presentation import style
 from stickslip.presentation.page import Section
 from stickslip.presentation.quantity import SPACE, number
@@ -205,7 +206,7 @@ def _headline(
     compared = learned.trial and learned.trial.compared
     if loop and loop.mismatch and not files:
         return "no compensator is written: the loop as described is not that of the log"
-    if loop and not loop.friction_matters and not loop.mismatch:
+    if loop and not loop.friction_matters and not loop.mismatch and _friction_shows(learned):
         most = f"{number(100 * loop.share, 3)} % of the {loop.figure} error stays without any"
         start = f"friction is not the problem: {most} friction"
         if not files:
@@ -224,6 +225,12 @@ def _headline(
         return "friction can be compensated; no compensator was tried"
     why = f": {compared.sentence}" if compared and not learned.refusal else ""
     return f"no compensator is written{why}"
+
+
+def _friction_shows(learned: LearnedFromRecording) -> bool:
+    """Return whether the log shows how large friction is."""
+    F_c = learned.estimation.known.get("F_c")
+    return F_c is not None and F_c.identifiability != NOT_IDENTIFIABLE
 
 
 def _what(learned: LearnedFromRecording, name: str) -> str:
@@ -325,9 +332,19 @@ def _remedies(learned: LearnedFromRecording, loop: LoopShare | None) -> Iterator
     if loop and loop.mismatch:
         return
     if loop and loop.remedy:
+        axis = learned.designed.compensated.axis
+        mass, damping = (
+            f"{number(x, 3)} {motion_unit(unit, rotary=axis.rotary)}"
+            for x, unit in ((axis.m, "kg"), (axis.b, "N.s/m"))
+        )
+        of, search = "", ""
+        if INERTIA in loop.remedy:
+            of = f" ({mass}, {damping})"
+            command = f"stickslip tune --set-range controller.m_ff=0:{2.0 * axis.m:.2g}"
+            search = f"; '{command}' searches that of the mass"
         yield (
-            f"{loop.remedy} would leave {number(loop.remedied, 3)} {loop.unit} of the"
-            f" loop's {number(loop.frictionless, 3)} {loop.unit}"
+            f"{loop.remedy}{of} would leave {number(loop.remedied, 3)} {loop.unit} of the loop's"
+            f" {number(loop.frictionless, 3)} {loop.unit}{search}"
         )
     if learned.other_gains and learned.other_gains.error <= offer.OTHER_GAINS:
         yield learned.other_gains.sentence

@@ -48,8 +48,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     times = {"--stop S": "of a system: stop time", "--step S": "of a system: communication step"}
     limit = {"--force-limit N": "of a learned drive: force or torque of the motor, in SI units"}
     add_options(parser, times | limit, type=positive)
-    tried = {"--evaluations N": "number of loops that are tried (default: 150)"}
-    add_options(parser, tried, type=at_least(1), default=150)
+    tried = {"--evaluations N": "number of loops that are tried (default: 300)"}
+    add_options(parser, tried, type=at_least(1), default=300)
     workers = {"--workers N": "number of loops that run in parallel (default: processors)"}
     add_options(parser, workers, type=at_least(1), default=processors())
     add_options(parser, {"--seed S": "random seed of the search"}, type=at_least(0), default=0)

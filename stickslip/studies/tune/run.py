@@ -9,7 +9,7 @@ from statistics import geometric_mean
 import pandas as pd
 
 from stickslip import ga
-from stickslip.errors import UsageError
+from stickslip.errors import UsageError, with_settings
 from stickslip.learned.file import LearnedFile
 from stickslip.loops.drive_loop import DriveLoop
 from stickslip.loops.family_cost import FamilyCost, cost_of, ratios
@@ -24,7 +24,7 @@ from stickslip.trial.family import Command
 from stickslip.trial.hold import Hold
 from stickslip.tuning.search import Finalist, Ratios, best_of, choose, search
 
-EVALUATIONS = 150  # candidates in a search
+EVALUATIONS = 300  # candidates in a search
 PRESENT, TUNED = "present loop", "tuned loop"
 
 
@@ -151,14 +151,23 @@ class TunedDrive:
                 f" {kept.SENSITIVITY:g} is better than the present one in the mean and in no motion"
                 f" worse; it stays as it is, with Ms = {before:.3g}"
             )
+        more = with_settings(
+            "; the search was still finding better loops: more <evaluations> may help"
+        )
         mean = geometric_mean(ratio for key, ratio in self.ratios.items() if "RMS" in key)
         worst = max(self.ratios.values())
         return (
             f"the tuned loop leaves {100.0 * mean:.0f} % of the tracking error of the present one,"
             f" RMS over the simulated drives and geometric mean over the motions, and"
             f" {100.0 * worst:.0f} % in the worst motion; the peak sensitivity Ms is {after:.3g}"
-            f" instead of {before:.3g}"
+            f" instead of {before:.3g}{more if is_unfinished(self.history) else ''}"
         )
+
+
+def is_unfinished(history: pd.DataFrame) -> bool:
+    """Return whether the last third of a search still lowered the cost."""
+    least = history["cost"].cummin().to_numpy()
+    return bool(least[-1] < kept.ENDED * least[max(2 * len(least) // 3 - 1, 0)])
 
 
 def tune_drive(

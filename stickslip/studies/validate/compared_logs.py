@@ -152,9 +152,10 @@ def sentences(found: LogComparison) -> tuple[str, ...]:
     texts = []
     for key, what in (("velocity_rms", "velocity"), ("position_rms", "position")):
         one = found.measured.reductions[key]
+        brought = "smaller" if one.value >= 0.0 else "larger"
         text = (
-            f"measured: the RMS error of {what} is {_percent(one.value)} smaller with the "
-            f"compensator, 95 % [{_percent(one.low)}, {_percent(one.high)}]"
+            f"measured: the RMS error of {what} is {_percent(abs(one.value))} {brought} with the"
+            f" compensator, 95 % [{_percent(one.low)}, {_percent(one.high)}] smaller"
         )
         if found.simulated:
             predicted = found.simulated.reductions[key].value

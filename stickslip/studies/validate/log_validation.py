@@ -36,7 +36,11 @@ def read_log(
     on_findings: Callable[[Iterable[logs.Finding]], object] = lambda _: None,
 ) -> LogInLoop:
     """Read a log of a learned drive; its controller is the one given, or that of the file."""
+    own: logs.Motion = "rotary" if learned.rotary else "linear"
     reading, findings = logs.read_and_check(path, description, known=learned.with_position_force)
+    if own != reading.recording.motion and {"position", "velocity"} & {*reading.assumed}:
+        described = replace(description, motion=own)
+        reading, findings = logs.read_and_check(path, described, known=learned.with_position_force)
     logs.raise_errors(path, findings)
     reading, findings = in_time(reading, findings)
     on_findings(findings)

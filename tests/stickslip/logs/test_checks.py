@@ -42,7 +42,12 @@ def test_a_controller_without_its_command():
     assert "no velocity_command" in found
     known = Controller("P", P_x=1.0)
     assert not findings(DRIVE, "error", controller=known)
-    assert not findings(replace(DRIVE, force=None), "error", controller=known)
+    silent = replace(DRIVE, force=None)
+    assert not findings(silent, "error", controller=known)
+    [of_gains] = [one for one in check_recording(silent, controller=known) if one.spoils]
+    assert "all forces follow from the gains" in of_gains.what
+    sent = replace(silent, force_command=DRIVE.force)
+    assert not [one for one in check_recording(sent, controller=known) if one.spoils]
 
 
 @pytest.mark.slow

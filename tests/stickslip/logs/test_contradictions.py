@@ -6,6 +6,8 @@ import pytest
 from scipy import signal
 
 from stickslip.cli import main
+from stickslip.logs import Description, read_and_check
+from stickslip.logs.plausibility import correction
 from tests.stickslip.logs.rigid_drive import rigid_drive
 
 INCH, TURN = 0.0254, 2 * np.pi
@@ -304,3 +306,20 @@ def test_a_force_that_does_work_on_the_motion_is_not_against_it(check_log):
         dict(zip(HEADER, (t, x, 2e6 * x + drag * v - 5.0 * np.sign(v)), strict=True))
     )
     assert not any("against" in line for line in check_log(log)[1])
+
+
+@pytest.mark.parametrize(
+    ("motion", "factor", "advice"),
+    [
+        ("rotary", 57.3, "<unit position=deg velocity=deg/s> or <scale force=57.3>"),
+        ("linear", 1e3, "<unit position=mm velocity=mm/s> or <unit force=kN>"),
+    ],
+)
+def test_what_a_controller_commands_in_other_units_of_the_motion_names_them(
+    tmp_path, motion, factor, advice
+):
+    drive = rigid_drive(n=2500)
+    columns = {"time": drive.t, "position": drive.position, "velocity": drive.velocity}
+    pd.DataFrame(columns | {"force": drive.force}).to_csv(tmp_path / "log.csv", index=False)
+    reading = read_and_check(tmp_path / "log.csv", Description(motion=motion))[0]
+    assert correction(reading, factor) == f"{advice}, whichever is wrong"

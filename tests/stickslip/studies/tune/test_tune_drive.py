@@ -315,6 +315,13 @@ def test_a_gain_of_an_observer_is_searched_within_the_range_of_its_model(learned
     assert (genes["observer.mu"].lower, genes["observer.mu"].upper) == (0.5, 3.0)
 
 
+def test_a_search_of_feedforward_begins_with_the_learned_mass(learned):
+    start = DriveLoop.of(LearnedFile(learned(CASCADE)))
+    assert start.loop.m_ff == 0.0
+    (gene,) = (g for g in start.problem({"controller.m_ff": (0.0, 9.0)}).genes if "m_ff" in g.name)
+    assert gene.start == start.loop.axis.m
+
+
 BRIEF = {"evaluations": 12, "seed": 1}
 
 

@@ -99,6 +99,11 @@ def test_a_log_of_another_kind_of_drive_is_refused(learned, log):
     file = LearnedFile(learned(motion="rotary"))
     with pytest.raises(UsageError, match=r"a log of a linear drive, but .* has a rotary one"):
         read_log(log, described(), file)
+    table = pd.read_csv(log)
+    table.columns = [name.partition(" ")[0] for name in table]
+    unstated = log.with_name("unstated.csv")
+    table.to_csv(unstated, index=False)
+    assert read_log(unstated, described(), file).reading.recording.rotary
 
 
 def test_the_command_prints_the_verdict_and_writes_tables_and_page(learned, log, tmp_path, capsys):
