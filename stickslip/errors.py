@@ -39,6 +39,7 @@ _FIELDS = {
     "gain": "gains",
     "law": "Friction law",
     "compensator": "Compensator",
+    "evaluations": "Candidates",
     "input": "Input signals",
     "set": "Inputs and parameters",
 }

@@ -433,15 +433,21 @@ def seen(rise):
         return "v_s" in prediction._shown(fitted)
 
 
-def contradicts(gain):
-    """Return whether a log does without which the squares of the other are divided by a gain."""
+def contradicts(gain, share=1.0, own=0.0):
+    """Return whether a log does without which the squares of the other are divided by a gain.
+
+    What it adds to the error of the other is a share of its force, and its own values leave so
+    many times the error of the other.
+    """
     squares = iter(([gain, gain], [1.0, gain], [1.0, gain], [1.0, 1.0]))
     inverse = namespace(recording=namespace(segments=[namespace(source=one) for one in "ab"]))
+    inverse.measured = lambda _: np.array([np.sqrt(gain - 1.0) / share])
     with patch.multiple(
         agreement,
         _squares=lambda *_: next(squares),
         _without=lambda *_: {},
-        _differences=lambda *_: iter(()),
+        _rows=lambda *_: [0],
+        _differences=lambda *_: ([], own**2 * share**2 / (gain - 1.0)),
     ):
         return bool(list(agreement.contradictions(inverse, namespace(parameters={}))))
 
@@ -462,7 +468,7 @@ def differs(share):
         measured=lambda _: (1.0 + share) * smoothed(np.sign(v), T_S, 200.0),
     )
     values = {"m": 1.0, "b": 0.0, "F_c": 1.0, "F_0": 0.0}
-    return any("friction" in one for one in agreement._differences(inverse, values, 0))
+    return any("friction" in one for one in agreement._differences(inverse, values, 0)[0])
 
 
 def is_own_offset(errors):
@@ -1031,6 +1037,8 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "log_content.LONGEST": (lambda: is_cut(450_000, T_s=1e-4), True, False),
     "log_content.TOGETHER": (lambda: share_of_each(8), 0.25, 0.5),
     "agreement.CONTRADICTS": (lambda: contradicts(3.0), True, False),
+    "agreement.MATTERS": (lambda: contradicts(3.0, share=0.03), True, False),
+    "agreement.EXPLAINED": (lambda: contradicts(3.0, own=3.0), False, True),
     "agreement.DIFFERS": (lambda: differs(0.07), True, False),
     "agreement.CERTAIN": (lambda: is_own_offset(6.0), True, False),
     "log_content.MOST": (lambda: is_cut(150_000, T_s=1e-3), True, False),

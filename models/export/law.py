@@ -24,6 +24,8 @@ _OPTIONAL = {"at_least", "spread", "shown_by", "requires", "weakest"}
 _KNOWLEDGE = {"symbol", "coordinate", "choices", *_OPTIONAL}
 _KEYS = {"title", "description", "steady", "passive", "smooth", "candidate", "co_simulation_only"}
 _TABLES = {"parameters", "states", "modes", "events", "force"}
+STEADY = ("coulomb", "stribeck", "lorentz")
+"""What the force at constant speed may be."""
 
 
 def roots() -> tuple[Path, Path]:
@@ -152,8 +154,16 @@ def read_law(folder: Path) -> Law:
     try:
         given = content["parameters"].items()
         tables = {name: {"variability": "tunable", **table} for name, table in given}
+        file = f"{folder.name}/law.toml"
         for name, table in tables.items():
-            require_known(f"{folder.name}/law.toml, {name}", [table["unit"]], UNITS)
+            require_known(f"{file}, {name}", [table["unit"]], UNITS)
+            require_known(f"{file}, {name}", [table.get("coordinate", "log")], ("linear", "log"))
+            if not all(isinstance(one, int | float) for one in _listed(table["start"])):
+                what = f"start is {table['start']!r}, expected a number"
+                raise DescriptionError(f"{file}, {name}: {what}")
+        require_known(f"{file}, steady", [content["steady"]], STEADY)
+        for word in ("passive", "smooth"):
+            require_known(f"{file}, {word}", [content[word]], (False, True))
         law = Law(
             name=folder.name,
             title=content["title"],
@@ -186,15 +196,18 @@ def read_law(folder: Path) -> Law:
     return law
 
 
+def _listed(start: Any) -> list[Any]:
+    return start if isinstance(start, list) else [start]
+
+
 def _parameter(name: str, table: Mapping[str, Any]) -> LawParameter:
-    start = table["start"] if isinstance(table["start"], list) else [table["start"]]
     force, length = force_and_length(table["unit"])
     low, high = parameter_range(table)
     return LawParameter(
         name=name,
         unit=table["unit"],
         description=table["description"],
-        start=tuple(map(float, start)),
+        start=tuple(map(float, _listed(table["start"]))),
         low=table["min"] if low is None else low,
         high=table["max"] if high is None else high,
         display=table.get("display", READ_IN.get(table["unit"])),

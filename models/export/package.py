@@ -17,7 +17,6 @@ from stickslip.fmi.by_name import by_name
 from stickslip.fmi.files import atomic_write
 from stickslip.fmi.messages import suggestion
 from stickslip.models.errors import (
-    DescriptionError,
     ModelError,
     StartValueError,
     UnknownLaw,
@@ -39,7 +38,7 @@ def _folders() -> dict[str, Path]:
     found = {}
     for room in _ROOMS:
         for path in (path for root in roots() for path in (root / room).glob("*/model.toml")):
-            with left_out(path, DescriptionError):
+            with left_out(path, Exception):
                 found[read_toml(path).get("name", path.parent.name)] = path.parent
     return dict(sorted(found.items()))
 
@@ -58,7 +57,7 @@ def law_names() -> list[str]:
 def _law_names() -> tuple[str, ...]:
     found = []
     for folder in _law_folders():
-        with left_out(folder, DescriptionError):
+        with left_out(folder, Exception):
             found.append(read_law(folder).name)
     return tuple(found)
 

@@ -195,17 +195,17 @@ def learn_part(work: Workbench) -> None:
             found.clear()
             signals.clear()
             with found:
-                spinner = ui.spinner()
+                ui.spinner()
                 try:
                     description = form.description()
                     checked: list[Any] = [
                         await run.io_bound(ss.check_log, one, description) for one in log.value
                     ]
                 except FAULTS as fault:
+                    found.clear()
                     lines_of([f"error: {message_of(fault)}"])
                     return
-                finally:
-                    spinner.delete()
+                found.clear()
                 form.detected(checked[0][0])
                 for reading, findings in checked:
                     ui.label(reading.recording.source).classes(QUIET)

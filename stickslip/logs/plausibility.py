@@ -253,7 +253,10 @@ def implausible(reading: Reading) -> Iterator[Finding]:
     moved, suffix = ("velocity", "/s") if recording.position is None else ("position", "")
     if moved in assumed and (travel := float(np.ptp(motion.x))) > LONGEST[recording.motion]:
         figure = f"{travel:.4g} {unit}, and {moved} states no unit"
-        advice = f"give <unit {moved}=mm{suffix}>, or <unit {moved}={unit}{suffix}> if it is so"
+        turned = "" if recording.rotary else f", <unit {moved}=rad{suffix}> of a rotary drive,"
+        advice = (
+            f"give <unit {moved}=mm{suffix}>{turned} or <unit {moved}={unit}{suffix}> if it is so"
+        )
         yield Finding("error", "the travel is very long", figure, advice)
     if moved not in reading.units or not reading.timed:
         return  # an error already

@@ -27,6 +27,10 @@ STATIC = MODELS / "compensators" / "static_feedforward" / "model.toml"
         (DAHL, 'steady = "', '# "', "room/law.toml: key 'steady' is missing"),
         (DAHL, "passive = ", "passiv = ", "room/law.toml, its keys: passiv is unknown"),
         (DAHL, 'unit = "N/m"', 'unit = "stone"', "room/law.toml, sigma_0: stone is unknown"),
+        (DAHL, "passive = true", 'passive = "yes"', "room/law.toml, passive: yes is unknown"),
+        (DAHL, 'steady = "coulomb"', 'steady = "columb"', "room/law.toml, steady: columb is"),
+        (DAHL, 'coordinate = "log"', 'coordinate = "lgo"', "room/law.toml, sigma_0: lgo is"),
+        (DAHL, "start = 3.9162e5", 'start = "x"', "sigma_0: start is 'x', expected a number"),
         (DAHL, 'coordinate = "log"', 'at_least = "F_0"', "sigma_0: F_0 is unknown"),
     ],
 )

@@ -24,7 +24,9 @@ def contradictions(inverse: InverseModel, found: Fit) -> Iterator[Finding]:
     """Yield the logs that are not of the drive of the others, and what of it differs by how much.
 
     Each log is left out of the fit in turn. It contradicts the others where these are explained
-    much better without it, and it is predicted much worse than with it.
+    much better without it, by more than a small share of their force, and where another mass,
+    friction or constant force explains it. A law that fails in one kind of motion is no
+    contradiction.
     """
     logs = inverse.recording.segments
     whole = _squares(inverse, found.parameters)
@@ -41,15 +43,21 @@ def contradictions(inverse: InverseModel, found: Fit) -> Iterator[Finding]:
         if gain < agreement.CONTRADICTS:
             return
         left.remove(k)
+        force = inverse.measured(values)[_rows(inverse, left)]
+        before = sum(whole[j] for j in left) / float(force @ force)
+        differs, rest = _differences(inverse, values, k)
+        if before * (1.0 - 1.0 / gain) < agreement.MATTERS**2:
+            return
+        if rest > agreement.EXPLAINED**2 * before / gain:
+            return
         whole = _squares(inverse, values)
-        rest = f"the other {len(left)} logs" if len(left) > 1 else logs[left[0]].source
-        differs = [*_differences(inverse, values, k)]
+        others = f"the other {len(left)} logs" if len(left) > 1 else logs[left[0]].source
         figure = f"these are explained {np.sqrt(gain):.3g} times as well without it"
         if differs:
             figure += "; with their values, its " + ", its ".join(differs)
         yield Finding(
             "warning",
-            f"{logs[k].source} contradicts {rest}",
+            f"{logs[k].source} contradicts {others}",
             figure,
             "learn without it, or correct its force, units, load or gains",
             spoils="values",
@@ -78,12 +86,16 @@ def _without(inverse: InverseModel, found: Fit, others: list[int]) -> Values:
     return fit(few, [found.q], ROUGH).parameters
 
 
-def _differences(inverse: InverseModel, values: Values, k: int) -> Iterator[str]:
-    """Yield by how much mass, friction and constant force of a log differ from values."""
+def _differences(inverse: InverseModel, values: Values, k: int) -> tuple[list[str], float]:
+    """Return how mass, friction and constant force of a log differ, and what its own ones leave.
+
+    That is a mean square over that of the force; 0 for a log of moves below break-away, which
+    shows none of them.
+    """
     used = _rows(inverse, [k])
     used = used[inverse.moves[used]]
     if len(used) < log_content.SLIDING:
-        return
+        return [], 0.0
     friction = smoothed(inverse.friction(values), inverse.T_s, inverse.cutoff)
     rigid = inverse.linear * [values["m"], values["b"], values["F_c"]]
     columns: dict[str, Array] = {"friction": friction + rigid[:, 1]}
@@ -96,7 +108,9 @@ def _differences(inverse: InverseModel, values: Values, k: int) -> Iterator[str]
         force = force - values["F_0"]
     x = np.column_stack(list(columns.values()))[used]
     factors, *_ = np.linalg.lstsq(x, force[used], rcond=None)
-    errors = covariance(x, force[used] - x @ factors).diagonal() ** 0.5
+    rest = force[used] - x @ factors
+    errors = covariance(x, rest).diagonal() ** 0.5
+    found = []
     for name, factor, error in zip(columns, factors.tolist(), errors.tolist(), strict=True):
         if name == "constant force":
             apart = shown = factor - values["F_0"] / values["F_c"]
@@ -104,4 +118,5 @@ def _differences(inverse: InverseModel, values: Values, k: int) -> Iterator[str]
         else:
             apart, shown, unit = factor - 1.0, factor, "times as large"
         if abs(apart) > max(agreement.DIFFERS, 2.0 * error):
-            yield f"{name} is {shown:.3g} {unit} (+-{2.0 * error:.2g})"
+            found.append(f"{name} is {shown:.3g} {unit} (+-{2.0 * error:.2g})")
+    return found, float(rest @ rest) / float(force[used] @ force[used])

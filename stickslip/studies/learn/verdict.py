@@ -208,7 +208,7 @@ def _headline(
         return "no compensator is written: the loop as described is not that of the log"
     if loop and not loop.friction_matters and not loop.mismatch and _friction_shows(learned):
         most = f"{number(100 * loop.share, 3)} % of the {loop.figure} error stays without any"
-        start = f"friction is not the problem: {most} friction"
+        start = f"on the log's motion friction is not the problem: {most} friction"
         if not files:
             return start
         gain = number(100 * (1.0 - loop.share), 2)

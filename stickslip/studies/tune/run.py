@@ -152,7 +152,7 @@ class TunedDrive:
                 f" worse; it stays as it is, with Ms = {before:.3g}"
             )
         more = with_settings(
-            "; the search was still finding better loops: more <evaluations> may help"
+            "; the search was still finding better loops; a larger number of <evaluations> may help"
         )
         mean = geometric_mean(ratio for key, ratio in self.ratios.items() if "RMS" in key)
         worst = max(self.ratios.values())
