@@ -1038,7 +1038,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "log_content.TOGETHER": (lambda: share_of_each(8), 0.25, 0.5),
     "agreement.CONTRADICTS": (lambda: contradicts(3.0), True, False),
     "agreement.MATTERS": (lambda: contradicts(3.0, share=0.03), True, False),
-    "agreement.EXPLAINED": (lambda: contradicts(3.0, own=3.0), False, True),
+    "agreement.EXPLAINED": (lambda: contradicts(3.0, own=5.0), False, True),
     "agreement.DIFFERS": (lambda: differs(0.07), True, False),
     "agreement.CERTAIN": (lambda: is_own_offset(6.0), True, False),
     "log_content.MOST": (lambda: is_cut(150_000, T_s=1e-3), True, False),

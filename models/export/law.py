@@ -140,7 +140,7 @@ def read_toml(path: Path) -> dict[str, Any]:
     return content
 
 
-def require_known(where: str, words: Iterable[str], known: Iterable[str]) -> None:
+def require_known(where: str, words: Iterable[Any], known: Iterable[Any]) -> None:
     """Raise DescriptionError where a word is not among those that are known."""
     allowed = list(known)
     if unknown := sorted(set(words) - set(allowed)):

@@ -51,13 +51,13 @@ def contradictions(inverse: InverseModel, found: Fit) -> Iterator[Finding]:
         if rest > agreement.EXPLAINED**2 * before / gain:
             return
         whole = _squares(inverse, values)
-        others = f"the other {len(left)} logs" if len(left) > 1 else logs[left[0]].source
+        rest_of = f"the other {len(left)} logs" if len(left) > 1 else logs[left[0]].source
         figure = f"these are explained {np.sqrt(gain):.3g} times as well without it"
         if differs:
             figure += "; with their values, its " + ", its ".join(differs)
         yield Finding(
             "warning",
-            f"{logs[k].source} contradicts {others}",
+            f"{logs[k].source} contradicts {rest_of}",
             figure,
             "learn without it, or correct its force, units, load or gains",
             spoils="values",

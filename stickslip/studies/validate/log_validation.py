@@ -36,20 +36,19 @@ def read_log(
     on_findings: Callable[[Iterable[logs.Finding]], object] = lambda _: None,
 ) -> LogInLoop:
     """Read a log of a learned drive; its controller is the one given, or that of the file."""
-    own: logs.Motion = "rotary" if learned.rotary else "linear"
+    kind: logs.Motion = "rotary" if learned.rotary else "linear"
     reading, findings = logs.read_and_check(path, description, known=learned.with_position_force)
-    if own != reading.recording.motion and {"position", "velocity"} & {*reading.assumed}:
-        described = replace(description, motion=own)
+    if kind != reading.recording.motion and {"position", "velocity"} & {*reading.assumed}:
+        described = replace(description, motion=kind)
         reading, findings = logs.read_and_check(path, described, known=learned.with_position_force)
     logs.raise_errors(path, findings)
     reading, findings = in_time(reading, findings)
     on_findings(findings)
     recording = reading.recording
-    kinds = [("linear", "rotary")[rotary] for rotary in (recording.rotary, learned.rotary)]
-    if kinds[0] != kinds[1]:
+    if recording.motion != kind:
         raise UsageError(
-            f"{path}: a log of a {kinds[0]} drive, but {learned.path} has a {kinds[1]} one; give "
-            f"<motion {kinds[1]}>, or the log of the drive that was learned"
+            f"{path}: a log of a {recording.motion} drive, but {learned.path} has a {kind} one;"
+            f" give <motion {kind}>, or the log of the drive that was learned"
         )
     if not learned.drive["m"] and recording.friction is None:
         raise UsageError(
