@@ -141,7 +141,10 @@ def printed(tutorial, tmp_path_factory):
 
 LONG = {
     f"docs/{name}"
-    for name in ("arena", "drives", "export", "fleet", "learning", "rig", "robots", "tuning")
+    for name in (
+        *("arena", "cosimulation", "drives", "export", "fleet", "learning", "rig", "robots"),
+        "tuning",
+    )
 }
 """Pages whose commands learn and tune further drives, compare compensators, or export often."""
 RUN = [
@@ -165,6 +168,7 @@ def test_a_long_page_can_be_followed(printed, name):
     printed(name, long=True)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_an_addition_that_fails_is_left_out_with_one_line(added):
     """All else works, and what is added runs until then."""

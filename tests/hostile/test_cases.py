@@ -110,7 +110,7 @@ def test_closed_standard_streams_change_nothing(tmp_path, how):
     assert "Traceback" not in done.stderr
 
 
-N = {"mat": 4, "log_csv": 40, "ssp": 30}  # each starts a process, or unpacks two FMUs
+N = {"mat": 8, "log_csv": 40, "ssp": 30}  # each starts a process, or unpacks two FMUs
 TEXTS = ("description", "csv", "config", "learned", "checkpoint")
 N |= dict.fromkeys((*TEXTS, "library", "state"), 250)
 

@@ -10,6 +10,7 @@ from IPython.core.interactiveshell import InteractiveShell
 import stickslip as ss
 from stickslip.keywords import DEFAULTS, RunOptions, SearchOptions, SweepOptions
 from stickslip.thresholds import harm
+from tests.kept import further
 
 RUNS = (ss.simulate, ss.sweep, ss.optimise, ss.System.simulate, ss.System.sweep, ss.tune)
 
@@ -27,9 +28,8 @@ def shell():
         ("system.sim", "simulate"),
         ("system.simulate(tol", "tolerance="),
         ("ss.simulate(fmu, iso", "isolation="),
-        ("ss.sweep(fmu, {}, {}, sto", "stop="),
-        ("ss.tune(fmu, force", "force_limit="),
         ("ss.learn(log, comp", "compensator="),
+        *further(("ss.sweep(fmu, {}, {}, sto", "stop="), ("ss.tune(fmu, force", "force_limit=")),
     ],
 )
 def test_a_notebook_completes(shell, typed, completed):

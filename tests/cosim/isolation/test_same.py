@@ -58,6 +58,7 @@ RUNS = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_whatever_is_recorded_and_fed(fmus):
     for how in HOW.values():

@@ -71,7 +71,7 @@ def slow(mass):
     return Recording(t, x, F_C * np.sign(v) + mass * -(rate**2) * x + noise, source="slow.csv")
 
 
-@pytest.mark.parametrize(("mass", "spoils"), [(-0.02, ""), (-5.0, "intervals")])
+@pytest.mark.parametrize(("mass", "spoils"), [(-0.02, ""), *further((-5.0, "intervals"))])
 def test_friction_is_learned_without_a_mass(mass, spoils):
     log = slow(mass)
     with candidate_fmus("coulomb_stribeck") as fmus:

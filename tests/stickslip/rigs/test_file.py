@@ -151,6 +151,7 @@ def test_a_package_of_others_adds_a_kind_of_rig(tmp_path, learned, monkeypatch, 
         assert said in capsys.readouterr().err
 
 
+@pytest.mark.thorough
 def test_learn_takes_a_rig_instead_of_a_log(fmus, described, tmp_path, monkeypatch, capsys):
     asked = []
 

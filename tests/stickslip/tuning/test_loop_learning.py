@@ -166,6 +166,7 @@ def test_a_loop_that_would_stick_and_slip_is_seen(loop, make_rig, monkeypatch):
     assert ratios[0] > 1.3 * ratios[1]
 
 
+@pytest.mark.thorough
 def test_what_is_worse_than_the_reference_in_anything_is_not_taken(study, monkeypatch):
     monkeypatch.setattr(search, "FINALISTS", 2)
     monkeypatch.setattr(loop_learning, "REPEATS", 2)

@@ -169,6 +169,7 @@ def test_what_is_known_is_no_friction_whatever_the_units() -> None:
     np.testing.assert_allclose(paths[1], paths[0], atol=1e-12)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.usefixtures("without_pictures")
 def test_learn_gives_the_drive_without_it_and_writes_its_block(tmp_path) -> None:

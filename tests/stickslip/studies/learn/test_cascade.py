@@ -120,6 +120,7 @@ def moved(fmus, loop, v_cmd, chain=(), **inputs):
         return simulation.run({}, loop.commands(v_cmd) | inputs)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.usefixtures("brief")
 def test_a_log_of_a_cascade_gives_the_drive_and_less_position_error(tmp_path, capsys):

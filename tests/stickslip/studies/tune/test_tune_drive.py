@@ -402,6 +402,7 @@ def test_what_a_rig_cannot_run_is_refused(fmus, learned):
         ss.tune("loop.ssp", rig=slower)
 
 
+@pytest.mark.thorough
 def test_the_command_keeps_its_motions_and_writes_what_the_drive_showed(
     fmus, learned, tmp_path, capsys
 ):
