@@ -23,7 +23,7 @@ def tune_part(work: Workbench) -> None:
             _learned(work), label="Learned drive, FMU or SSP", with_input=True
         ).classes("grow min-w-60")
         cost = ui.select(work.files({".toml"}), label="Cost (TOML)", clearable=True).classes("w-48")
-        evaluations = ui.number("Candidates", value=150, min=1, format="%d").classes("w-24")
+        evaluations = ui.number("Candidates", value=300, min=1, format="%d").classes("w-24")
         seed = ui.number("Seed", value=0, min=0, format="%d").classes("w-16")
         stop = ui.number("Stop time [s]", min=0.0).props("stack-label placeholder='of the file'")
     refreshed(file, lambda: _learned(work))
