@@ -88,6 +88,7 @@ def choose(page, field, item):
     page.locator(".q-menu").wait_for(state="hidden")
 
 
+@pytest.mark.thorough
 def test_from_a_dropped_log_to_the_downloaded_compensator(brief_server, browser, log):
     process, address, folder = brief_server
     page = opened(browser, address)
