@@ -29,6 +29,7 @@ UNITS = {
     "rotary": ("angle [rad]", "speed [rad/s]", "torque [N.m]", "velocity_command [rad/s]"),
     "linear": ("position [m]", "velocity [m/s]", "force [N]", "velocity_command [m/s]"),
 }
+ASKED = ("--compensator", "static+dob")
 NUMBER = r"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?"
 OF_LINEAR = re.compile(
     rf"(?:(?<![\w.]){NUMBER}[ \u00a0]|\[|/\* (?=\S+ \*/)|nit=\"|nit\": \")"
@@ -60,18 +61,7 @@ def output(request, tmp_path_factory):
     printed = {}
     for command in (
         ["learn", log, "--check"],
-        [
-            "learn",
-            log,
-            "--out",
-            out,
-            "--force",
-            "-v",
-            "--law",
-            "lugre",
-            "--compensator",
-            "static+dob",
-        ],
+        ["learn", log, "--out", out, "--force", "-v", "--law", "lugre", *ASKED],
         *(
             ["export", what, "--parameters", learned, "--as", form, "--force", "--out", folder]
             for what in ("compensator", "observer")

@@ -7,12 +7,14 @@ import shlex
 import zipfile
 from dataclasses import replace
 from html import unescape
+from types import SimpleNamespace
 
 import pytest
 from fmpy import read_model_description
 
 from stickslip.cli import main
 from stickslip.cosim import Fmu
+from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
 from stickslip.learned.deploying import deployed_blocks
 from stickslip.learned.file import LearnedFile
 from stickslip.learned.provenance import provenance
@@ -21,6 +23,7 @@ from stickslip.models.firmware import write_compensator
 from stickslip.presentation.quantity import number
 from stickslip.servo.axis import ControlError
 from stickslip.studies.learn.folder import write_learned
+from stickslip.studies.learn.verdict import LoopShare, _headline
 from stickslip.trial.benefit import Benefit, Variant
 from stickslip.trial.candidates import Row
 from tests.kept import further
@@ -233,3 +236,16 @@ def test_an_observer_without_a_trial_is_not_replaced_by_a_feedforward(sound):
     assert untried(sound, "ekbf").writes(force=True) == ""
     assert untried(sound).writes() == ""
     assert "no velocity loop can be closed: the mass is not known" in untried(sound).refusal
+
+
+@pytest.mark.parametrize(
+    ("shown", "begin"),
+    [("identifiable", "on the log's motion friction is not"), (NOT_IDENTIFIABLE, "no compensator")],
+)
+def test_friction_that_a_log_does_not_show_is_not_said_to_be_no_problem(shown, begin):
+    known = {"F_c": SimpleNamespace(identifiability=shown)}
+    learned = SimpleNamespace(trial=None, estimation=SimpleNamespace(known=known), refusal="it")
+    learned.writes = lambda **_: ""
+    sizes = {"measured": 1.0, "without": 1.0, "compensated": None, "frictionless": 0.99}
+    loop = LoopShare("velocity", "mm/s", "it", **sizes, remedy="", remedied=0.1)
+    assert _headline(learned, (), loop, force=False).startswith(begin)
