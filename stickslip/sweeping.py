@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
@@ -35,6 +36,7 @@ from stickslip.simulation import Model
 
 _log = logging.getLogger(__name__)
 
+NEAR = 0.01  # share of a range at its ends; a least cost there may be an end, not a minimum
 Progress = Callable[[int, int], object]  # takes how many runs are done and how many there are
 
 
@@ -61,8 +63,20 @@ class Optimum:
         return html_table(("parameter", "value"), rows, caption, words=1)
 
     @property
+    def at_end(self) -> str:
+        """Which parameters are near an end of their range, as the end of a sentence, or empty."""
+        names = [name for name, span in self.ranges.items() if self._is_near_end(name, *span)]
+        return f"; {', '.join(names)}: near an end of the range, try a wider one" if names else ""
+
+    def _is_near_end(self, name: str, low: float, high: float) -> bool:
+        value = self.parameters[name]
+        if low > 0.0:  # searched by the logarithm
+            value, low, high = map(math.log, (value, low, high))
+        return min(value - low, high - value) < NEAR * (high - low)
+
+    @property
     def _runs(self) -> str:
-        return f"{len(self.table)} runs; {self.stopped}"
+        return f"{len(self.table)} runs; {self.stopped}{self.at_end}"
 
 
 @named(RunOptions)

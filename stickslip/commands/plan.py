@@ -47,10 +47,10 @@ of the drive beforehand."""
 def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.description = (
-        "Write the velocity and position command of one experiment as CSV: small "
-        "moves, creep with break-aways, constant speeds, quick ramps and a sine sweep. Run it on "
-        "the drive, log time, force and position, and learn from the log. Limits may have units, "
-        "such as 100mm, 40mm/s, 90deg, 300rpm or 5m/s3."
+        "Write the velocity and position command of one experiment as CSV, in s, m/s and m (rotary "
+        "rad/s and rad): small moves, creep with break-aways, constant speeds, quick ramps and a "
+        "sine sweep. Run it on the drive, log time, force and position, and learn from the log. "
+        "Limits may have units, such as 100mm, 40mm/s, 90deg, 300rpm or 5m/s3."
     )
     motion = {"--motion": "rotary: units with rad in place of m (default: from the units)"}
     add_options(parser, motion, choices=("linear", "rotary"))

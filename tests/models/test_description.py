@@ -32,6 +32,9 @@ STATIC = MODELS / "compensators" / "static_feedforward" / "model.toml"
         (DAHL, 'coordinate = "log"', 'coordinate = "lgo"', "room/law.toml, sigma_0: lgo is"),
         (DAHL, "start = 3.9162e5", 'start = "x"', "sigma_0: start is 'x', expected a number"),
         (DAHL, 'coordinate = "log"', 'at_least = "F_0"', "sigma_0: F_0 is unknown"),
+        (DAHL, 'uses = ["sigma_0", ', 'uses = ["sigma", ', "F_d, uses: sigma is unknown"),
+        (DAHL, "uses = []", 'uses = ["F_k"]', "force, uses: F_k is unknown"),
+        (DAHL, "", "", "room: expected law.c beside law.toml, got none"),
     ],
 )
 def test_what_is_wrong_is_named(tmp_path, file, old, new, message):
@@ -48,6 +51,8 @@ def test_a_law_has_no_name_of_the_model(tmp_path):
     folder = tmp_path / "room"
     folder.mkdir()
     law = DAHL.read_text(encoding="utf-8").replace("[parameters.i]", "[parameters.lead]")
+    law = law.replace('"i"]', '"lead"]')
     (folder / "law.toml").write_text(law, encoding="utf-8")
+    (folder / "law.c").touch()
     with pytest.raises(models.DescriptionError, match="lead is a variable of the model as well"):
         read_model(models.load_model("compensator").folder, read_law(folder))

@@ -160,7 +160,7 @@ class LearnedFromRecording(Learned):
         if self.trial is None or self.benefit is None:
             return ""
         name, share = self.trial.compared.chosen.name, self.benefit.share
-        run = f"the feedforward of {name}" if self.choice == BOTH else name
+        run = f"the feedforward of {name}, without its observer," if self.choice == BOTH else name
         if self.choice not in (FEEDFORWARD, BOTH):
             run = f"feedforward of the law {self.estimation.law.title}"
         run = f"{run} at {share:g} of its force" if share != 1.0 else run

@@ -41,7 +41,6 @@ STALE = (
     *("verdict", "other_gains"),
 )
 """Entries of learned.json that hold in the present loop only."""
-NEAR = 0.01  # share of a range at its ends; a least cost there may be an end, not a minimum
 COLUMNS = (
     Column("parameter", "", "parameter", "Parameter"),
     Column("unit", "", "unit", "Unit"),
@@ -175,21 +174,10 @@ def write_optimised(found: Optimum, source: Path, cost: Path, folder: Path) -> N
         write_page(staging, f"{source.name}, tuned", [section], PAGE)
 
 
-def _is_near_end(value: float, low: float, high: float) -> bool:
-    """Tell whether a value is near an end of its range, by the logarithm as it is searched."""
-    if low > 0.0:
-        value, low, high = map(math.log, (value, low, high))
-    return min(value - low, high - value) < NEAR * (high - low)
-
-
 def sentence_of(found: Optimum) -> str:
     """Return what a search brought, in a sentence without its end."""
     before, runs = found.table["cost"].iloc[0], len(found.table)
-    at_end = [
-        name for name, span in found.ranges.items() if _is_near_end(found.parameters[name], *span)
-    ]
-    ends = f"; {', '.join(at_end)}: near an end of the range, try a wider one" if at_end else ""
-    return f"The cost is {found.cost:.6g} instead of {before:.6g} after {runs} runs{ends}"
+    return f"The cost is {found.cost:.6g} instead of {before:.6g} after {runs} runs{found.at_end}"
 
 
 def draw_errors(found: TunedDrive) -> Figure:

@@ -108,7 +108,10 @@ def test_structured_text_computes_with_any_ratio_of_speeds(tmp_path):
 
 
 def test_structured_text_refuses_a_cycle_without_time(exported):
-    block = structured_text.load((exported / "compensator.st").read_text())["Compensator"]
+    text = (exported / "compensator.st").read_text()
+    assert "in  v: [m/s" in text[: text.index("TYPE")]
+    assert "out F_mean: [N" in text[: text.index("TYPE")]
+    block = structured_text.load(text)["Compensator"]
     assert block(h=STEP, v=0.01)["valid"]
     before = dict(block.variables)
     assert not block(h=0.0, v=0.02)["valid"]

@@ -1,6 +1,7 @@
 """Tuning of a system of FMUs by a cost file, against a minimum that is known."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -45,6 +46,8 @@ def test_a_quadratic_cost_is_least_where_it_is_known_to_be(files):
     assert first[[*own]].to_dict() == pytest.approx(own)
     assert first["cost"] == pytest.approx(4.0 * 0.6**2, abs=1e-12)
     assert found.parameters == pytest.approx({"total.u1": 0.3, "total.u2": 0.7}, abs=0.01)
+    assert "near an end" not in repr(found)
+    assert "; total.u2: near an end of" in repr(replace(found, ranges={"total.u2": (0.699, 3.0)}))
 
 
 def test_the_command_writes_what_it_found(files, tmp_path, capsys):
