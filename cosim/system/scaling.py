@@ -107,7 +107,10 @@ def transform(source: End, target: End, link: Link) -> Scaling:
         return link.scaling
     scaling = conversion(unit, wanted)
     if scaling is None:
-        hint = "; scale it by a Link with convert=False" if unit.measures_as(wanted) else ""
+        vague = [one for one in (unit, wanted) if one.exponents is None]
+        hint = f", as nothing defines {vague[0]} by base units" if vague else ""
+        if vague or unit.measures_as(wanted):
+            hint += "; scale it by a Link with convert=False"
         what = f"{source.name} is in {unit}, {target.name} in {wanted}"
         advice = f"one cannot be converted to the other{hint}"
         raise ConnectionFault(f"cannot connect {source.name} to {target.name}: {what}; {advice}")

@@ -74,6 +74,13 @@ def test_shows_what_is_chosen(loop, tmp_path):
     assert {v.name: v.start for v in shown}["feedback.k"] == "-3.0"
 
 
+def test_a_difference_is_one_outside_too(make, version, tmp_path):
+    system = joined({"a": make("gain", u="K", y="degC difference")}, x="a.u")
+    path = cosim.write_fmu(system, tmp_path / "a.fmu", step=STEP, fmi=version)
+    shown = cosim.Fmu(path).variables
+    assert [shown[name].relative for name in ("x", "a.y")] == [False, True]
+
+
 def test_nothing_is_found_by_validation_and_two_builds_are_the_same(loop, version, tmp_path):
     first, other = (
         cosim.write_fmu(loop, tmp_path / name / "a.fmu", step=STEP, fmi=version) for name in "ab"
