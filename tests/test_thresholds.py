@@ -395,11 +395,12 @@ def law(error):
     return choose([plain, predicted("gms", error, shown=())]).chosen.candidate.law.name
 
 
-def with_least_error(error):
+def with_least_error(error, encoder_step=0.0):
     """Return the standard error of a stiffness of 1 that a fit gives another one."""
-    return identifiability.least_errors({"sigma_0": error}, {"sigma_0": 1.0}, ["sigma_0"])[
-        "sigma_0"
-    ]
+    values = {"sigma_0": 1.0, "F_c": 1.0}
+    return identifiability.least_errors(
+        {"sigma_0": error}, values, ["sigma_0"], encoder_step=encoder_step
+    )["sigma_0"]
 
 
 def stiffness(error):
@@ -1018,6 +1019,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "identifiable.TAKEN": (lambda: taken("sigma_0", 4e5, half=0.4) < 4e5, True, False),
     "identifiable.PRIOR_DOMINATED": (lambda: is_prior(0.7), True, False),
     "identifiable.PRESLIDING": (lambda: with_least_error(0.03), 0.03, 0.04),
+    "identifiable.QUANTISED": (lambda: with_least_error(0.02, 0.25), 0.0875, 0.175),
     "identifiable.SOFTEST": (lambda: taken("sigma_0", 4e5), 2e5, 4e5),
     "identifiable.BEYOND": (lambda: taken("F_s", 12.0), 8.0, 12.0),
     "stage.TRAVEL": (lambda: "200 encoder steps" in inertia(3e-5, 1.0), False, True),

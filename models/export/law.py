@@ -194,8 +194,8 @@ def read_law(folder: Path) -> Law:
         where = f"{folder.name}/law.toml, parameter {p.name}"
         require_known(where, filter(None, (p.at_least, p.requires)), law.parameters)
     names = {*law.parameters, *law.states, *law.modes, *law.events}
-    for name, table in {**law.states, **law.modes, "force": law.force}.items():
-        used = [one.removesuffix("[]") for one in table.get("uses", ())]
+    for name, whose in {**law.states, **law.modes, "force": law.force}.items():
+        used = [one.removesuffix("[]") for one in whose.get("uses", ())]
         require_known(f"{folder.name}/law.toml, {name}, uses", used, sorted(names))
     if not (folder / "law.c").is_file():
         raise DescriptionError(f"{folder.name}: expected law.c beside law.toml, got none")

@@ -14,6 +14,10 @@ PRIOR_DOMINATED = Threshold(0.5)
 """Standard error as a share of the prior's, above which a parameter is not identifiable."""
 PRESLIDING = Threshold(0.02, "decision 141: -4, -2, +3 and +4 % on sets of four drives")
 """Least relative standard error of stiffness and damping, where the force decides."""
+QUANTISED = Threshold(
+    0.35, "decision 169: contacts of 4.1 to 4.5 steps were fitted with 0.5 to 0.7 steps more"
+)
+"""The same in encoder steps of the presliding deflection F_c / sigma_0, where these are coarse."""
 SOFTEST = Threshold(0.5, "decision 62: 0.01 of the stiffness leaves 3.5 times the error")
 """Share of a fitted stiffness or damping below which the compensator does not take it."""
 BEYOND = Threshold(1.25)

@@ -71,7 +71,7 @@ def test_units_must_measure_the_same(make):
     with pytest.raises(cosim.ConnectionFault, match=r"'mN'.*'m'"):
         system.expose("both", "milli.u", "length.u")
     assert system.inputs == {}
-    system.add("f", cosim.Function(lambda t, u: u, {"u": "kgf"}, {"y": None}))
+    system.add("f", cosim.Function(lambda _, u: u, {"u": "kgf"}, {"y": None}))
     with pytest.raises(cosim.ConnectionFault, match="'kgf' by base units; scale it by a Link"):
         system.connect("force.y", "f.u")
 

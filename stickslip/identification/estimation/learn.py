@@ -125,7 +125,8 @@ def _learn(task: Task, scale: motion.Scale, progress: Progress) -> Estimation:
             best, degrees = corrected.fit, bootstrap.RUNS - 1
         else:
             best, errors = _inverse_model(task, inverse, found, start, sliding=sliding)
-            errors |= least_errors(errors, best.parameters, presliding(law))
+            names, step_size = presliding(law), inverse.recording.encoder_step
+            errors |= least_errors(errors, best.parameters, names, step_size) if names else {}
             degrees = BLOCKS - len(found.q)
             table = profiles(best, inverse.map, errors)
         names = start.space.friction if inverse.measures_friction else start.space.reported

@@ -92,10 +92,15 @@ def among_laws(
 
 
 def least_errors(
-    errors: Mapping[str, float], values: Values, names: Iterable[str]
+    errors: Mapping[str, float], values: Values, names: Iterable[str], encoder_step: float
 ) -> dict[str, float]:
-    """Return standard errors of what shows before break-away, which low-pass and sampling bias."""
-    return {name: max(errors[name], identifiable.PRESLIDING * values[name]) for name in names}
+    """Return standard errors of what shows before break-away, which low-pass and sampling bias.
+
+    A contact that bends by few encoder steps [m] looks softer than it is.
+    """
+    bent = values["F_c"] / values["sigma_0"]
+    share = max(identifiable.PRESLIDING, identifiable.QUANTISED * encoder_step / bent)
+    return {name: max(errors[name], share * values[name]) for name in names}
 
 
 def _classified(
