@@ -109,7 +109,7 @@ def parallel(table: pd.DataFrame, names: list[str]) -> Options:
             "name": name.replace(".", "\n"),
             "nameTextStyle": {"color": INK, "lineHeight": 14},
             "scale": True,
-            "type": "log" if _spans_decades(shown[name]) else "value",
+            "type": "log" if 0.0 < 30.0 * shown[name].min() < shown[name].max() else "value",
             "axisLabel": LABEL,
             "axisLine": {"lineStyle": {"color": INK}},
         }
@@ -127,10 +127,6 @@ def parallel(table: pd.DataFrame, names: list[str]) -> Options:
         visualMap=scale,
         series=[{"type": "parallel", "lineStyle": {"width": 1.2, "opacity": 0.6}, "data": rows}],
     )
-
-
-def _spans_decades(values: pd.Series[float]) -> bool:
-    return bool(len(values) and 0.0 < 30.0 * values.min() < values.max())
 
 
 def importances(table: pd.DataFrame, names: list[str]) -> Options:

@@ -138,7 +138,8 @@ class Job:
     """A task that runs or has run, and what it has told."""
 
     name: str
-    folder: Path | None  # of its results
+    of: str = ""  # the files that it takes
+    since: str = field(default_factory=lambda: time.strftime("%H:%M"))
     stages: Lines = field(default_factory=list)
     lines: Lines = field(default_factory=list)  # findings, warnings, what was done
     done: tuple[int, int | None, str] | None = None  # steps, of how many, unit
@@ -151,15 +152,16 @@ class Job:
     process: BaseProcess | None = None
 
     @classmethod
-    def begin(cls, name: str, folder: Path | None, task: Callable[..., Lines], **given: Any) -> Job:
-        """Start a task, with the folder as its first argument if there is one."""
+    def begin(
+        cls, name: str, folder: Path, of: str, task: Callable[..., Lines], **given: Any
+    ) -> Job:
+        """Start a task, which writes to the folder."""
         context = multiprocessing.get_context("spawn")
         receiver, sender = context.Pipe(duplex=False)
-        given |= {"folder": folder} if folder else {}
-        process = context.Process(target=_work, args=(sender, task, given))
+        process = context.Process(target=_work, args=(sender, task, given | {"folder": folder}))
         process.start()
         sender.close()
-        job = cls(name, folder, process=process)
+        job = cls(name, of, process=process)
         Thread(target=job._follow, args=(receiver, process), daemon=True).start()
         return job
 

@@ -10,7 +10,7 @@ from nicegui import events, run, ui
 import stickslip as ss
 from stickslip.app import charts, jobs
 from stickslip.app.jobs import FAULTS, message_of
-from stickslip.app.shown import QUIET, attempt, busy, chart, follow, lines_of, refreshed, told
+from stickslip.app.shown import QUIET, attempt, busy, chart, follow, lines_of, refreshed, resume
 from stickslip.app.workbench import Workbench
 
 
@@ -128,6 +128,7 @@ def learn_part(work: Workbench) -> None:
         upload = ui.upload(on_upload=uploaded, auto_upload=True, multiple=True)
         upload.props("flat bordered label='Drop logs here'").classes("w-56")
     outcome = ui.column().classes("w-full")
+    resume(work, "learn", outcome)
     body = ui.column().classes("w-full")
     with body:
         ui.label(
@@ -172,16 +173,12 @@ def learn_part(work: Workbench) -> None:
                 form.build(base, names)
             signals = ui.column().classes("w-full")
 
-        def begin() -> None:
-            if busy(outcome):
-                return
-            try:
-                description = form.description()
-            except FAULTS as fault:
-                told(message_of(fault))
+        async def begin() -> None:
+            description = await attempt(form.description)
+            if description is None or busy(outcome):
                 return
             job = work.begin(
-                *("learn", log.value[0], jobs.learn),
+                *("learn", log.value, jobs.learn),
                 logs=list(log.value),
                 description=description,
                 law=law.value,

@@ -38,7 +38,9 @@ def page(work: Workbench) -> None:
         with tabs.classes("grow min-w-0"):
             for name in PARTS:
                 ui.tab(name)
-    with ui.tab_panels(tabs, value=next(iter(PARTS))).classes("wide bg-transparent"):
+    running = [name.split("-")[0].capitalize() for name, job in work.jobs.items() if not job.ended]
+    shown = running[-1] if running else next(iter(PARTS))
+    with ui.tab_panels(tabs, value=shown).classes("wide bg-transparent"):
         for name, part in PARTS.items():
             with ui.tab_panel(name):
                 part(work)

@@ -7,7 +7,7 @@ from nicegui import ui
 
 import stickslip as ss
 from stickslip.app import jobs
-from stickslip.app.shown import QUIET, busy, follow, refreshed, told
+from stickslip.app.shown import QUIET, busy, follow, refreshed, resume, told
 from stickslip.app.workbench import LEARNED, MODELS, Workbench
 
 WORKERS = os.cpu_count() or 1
@@ -46,7 +46,7 @@ def tune_part(work: Workbench) -> None:
         path = Path(file.value)
         learned = path.suffix == ".json"
         job = work.begin(
-            *("tune", path.parent.name if learned else path.name, jobs.tune),
+            *("tune", [path.parent.name if learned else path.name], jobs.tune),
             source=path,
             cost=None if learned else cost.value,
             ranges=spans,
@@ -59,6 +59,7 @@ def tune_part(work: Workbench) -> None:
 
     ui.button("Tune", icon="play_arrow", on_click=begin)
     place = ui.column().classes("w-full")
+    resume(work, "tune", place)
 
 
 def _learned(work: Workbench) -> dict[str, str]:
@@ -93,7 +94,8 @@ def arena_part(work: Workbench) -> None:
             "seeds": int(seeds.value or 1),
             "workers": WORKERS,
         }
-        follow(work, work.begin("arena", "drives", jobs.arena, **given, **budget), place)
+        follow(work, work.begin("arena", ["drives"], jobs.arena, **given, **budget), place)
 
     ui.button("Compare", icon="play_arrow", on_click=begin)
     place = ui.column().classes("w-full")
+    resume(work, "arena", place)

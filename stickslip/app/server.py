@@ -26,7 +26,7 @@ GONE = {
 }
 RECONNECTS = 60.0
 """Time [s] for which a tab keeps its state without an answer of the server: after NiceGUI's 3 s it
-is loaded again, without a running job, and a learning on a busy machine keeps the server longer."""
+is loaded again, and what was entered is gone; a learning on a busy machine keeps it longer."""
 
 
 class Guard:

@@ -3,7 +3,7 @@
 import json
 import shutil
 import tempfile
-from collections.abc import Awaitable, Callable, Iterable, MutableMapping
+from collections.abc import Callable, Iterable, MutableMapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -86,6 +86,7 @@ def show_job(job: Job, then: Callable[[], object]) -> None:
         with ui.row().classes("items-center w-full"):
             ui.spinner(size="sm").bind_visibility_from(job, "ended", backward=lambda one: not one)
             ui.label(job.name).classes("font-bold")
+            ui.label(f"{job.of}, since {job.since}").classes(QUIET)
             stage = ui.label().classes(QUIET)
             ui.space()
             stop = ui.button("Stop", on_click=job.stop).props("flat dense")
@@ -160,7 +161,7 @@ def show_results(work: Workbench, name: str, job: Job | None = None) -> None:
                 _download(file.name, partial(ui.download.file, file))
                 if learned:
                     for form in ("c", "st"):
-                        export = _exports(learned, file.stem, form)
+                        export = partial(exported, learned, file.stem, form)
                         _download(f"{file.stem}: {form.upper()}", export)
         if job is not None and job.result:
             with ui.expansion("Details").classes("w-full"):
@@ -205,14 +206,18 @@ def _download(label: str, on_click: Callable[[], object]) -> None:
     ui.button(label, icon="download", on_click=on_click).props("outline dense no-caps")
 
 
-def _exports(learned: Path, part: str, form: str) -> Callable[[], Awaitable[None]]:
-    async def export() -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            files = await attempt(jobs.export, learned, part, form, Path(folder))
-            for file in files or ():
-                ui.download.content(file.read_bytes(), file.name)
+async def exported(learned: Path, part: str, form: str) -> None:
+    """Download a part as the command exports it."""
+    with tempfile.TemporaryDirectory() as folder:
+        for file in await attempt(jobs.export, learned, part, form, Path(folder)) or ():
+            ui.download.content(file.read_bytes(), file.name)
 
-    return export
+
+def resume(work: Workbench, kind: str, place: ui.element) -> None:
+    """Show what was begun in another tab of the browser, or in this one before it was reloaded."""
+    with place:
+        for job in work.begun(kind):
+            follow(work, job, ui.column().classes("w-full"))
 
 
 def follow(work: Workbench, job: Job, place: ui.element) -> None:

@@ -49,16 +49,21 @@ class Workbench:
         found = {path.parent for name in names for path in self.runs.glob(f"*/{name}")}
         return [one.name for one in sorted(found, key=lambda one: -one.stat().st_mtime)]
 
-    def begin(self, kind: str, of: str, task: Callable[..., Lines], **given: Any) -> Job:
-        """Start a job that writes to a new folder."""
-        stem, k = f"{kind}-{Path(of).stem}", 1
+    def begin(self, kind: str, of: list[str], task: Callable[..., Lines], **given: Any) -> Job:
+        """Start a job on some files that writes to a new folder."""
+        stem, k = f"{kind}-{Path(of[0]).stem}", 1
         while (self.runs / f"{stem}-{k}").exists() or f"{stem}-{k}" in self.jobs:
             k += 1
         name = f"{stem}-{k}"
         self.runs.mkdir(exist_ok=True)
-        job = Job.begin(name, self.runs / name, task, **given)
-        self.jobs[name] = job
+        names = ", ".join(Path(one).name for one in of)
+        job = self.jobs[name] = Job.begin(name, self.runs / name, names, task, **given)
         return job
+
+    def begun(self, kind: str) -> list[Job]:
+        """Return the jobs of a kind that run, else the last one."""
+        jobs = [job for name, job in self.jobs.items() if name.startswith(f"{kind}-")]
+        return [job for job in jobs if not job.ended] or jobs[-1:]
 
     def close(self) -> None:
         """End the jobs."""
