@@ -45,12 +45,13 @@ class Told(ss.Progress):
         for finding in findings:
             self.tell(line=str(finding))
 
-    def move(self, done: int, of: int | None, unit: str = "step", _remark: str = "") -> None:
-        """Tell how much of a stage is done, at most ten times a second."""
+    def move(self, done: int, of: int | None, unit: str = "step", remark: str = "") -> None:
+        """Tell how much of a stage of several steps is done, at most ten times a second."""
         now = time.monotonic()
-        if now - self._last > RATE or done == of:
+        if of not in (0, 1) and (now - self._last > RATE or done == of):
             self._last = now
-            self.tell(done=(done, of, unit))
+            count = f"{done} of {of}" if of else f"{done}"
+            self.tell(done=(of and done / of, f"{count} {unit}s", remark))
 
     def generation(self, algorithm: ss.ga.Optimiser, scale: Any = None) -> None:
         """Tell the candidates of a search since the last ones, in SI units."""
@@ -62,7 +63,8 @@ class Told(ss.Progress):
         if scale:
             rows = rows / [*map(scale.of, algorithm.names), scale.of("F_c") ** 2]
         self.tell(candidates=rows)
-        self.move(algorithm.evaluations, algorithm.limits.evaluations, "candidate")
+        cost = f"best cost {algorithm.best.cost / (scale.of('F_c') ** 2 if scale else 1.0):.3g}"
+        self.move(algorithm.evaluations, algorithm.limits.evaluations, "candidate", cost)
 
 
 class _Warnings(logging.Handler):
@@ -140,9 +142,9 @@ class Job:
     name: str
     of: str = ""  # the files that it takes
     since: str = field(default_factory=lambda: time.strftime("%H:%M"))
-    stages: Lines = field(default_factory=list)
+    stages: Lines = field(default_factory=lambda: ["loading"])
     lines: Lines = field(default_factory=list)  # findings, warnings, what was done
-    done: tuple[int, int | None, str] | None = None  # steps, of how many, unit
+    done: tuple[float | None, str, str] = (None, "", "")  # share of the stage, steps, remark
     names: list[str] = field(default_factory=list)  # of the parameters of the present search
     candidates: list[Any] = field(default_factory=list)  # tables of them, by generation
     result: Lines | None = None
@@ -179,7 +181,7 @@ class Job:
         for name, value in news.items():
             if name == "stage":
                 self.stages.append(value)
-                self.done = None
+                self.done = Job.done
             elif name == "line":
                 self.lines.append(value)
             elif name == "search":

@@ -83,13 +83,11 @@ def lines_of(lines: Iterable[str]) -> None:
 def show_job(job: Job, then: Callable[[], object]) -> None:
     """Show how far a job is, and what follows when it has ended."""
     with ui.card().classes("w-full"):
-        with ui.row().classes("items-center w-full"):
+        with ui.row().classes("items-center w-full flex-nowrap"):
             ui.spinner(size="sm").bind_visibility_from(job, "ended", backward=lambda one: not one)
-            ui.label(job.name).classes("font-bold")
-            ui.label(f"{job.of}, since {job.since}").classes(QUIET)
-            stage = ui.label().classes(QUIET)
-            ui.space()
+            ui.label(job.name).classes("font-bold grow min-w-0 break-words")
             stop = ui.button("Stop", on_click=job.stop).props("flat dense")
+        stage = ui.label().classes(QUIET)
         bar = ui.linear_progress(0.0, show_value=False).props("instant-feedback")
         course = ui.column().classes("w-full gap-1")
         with ui.expansion("Messages").classes("w-full") as messages:
@@ -116,12 +114,10 @@ def show_job(job: Job, then: Callable[[], object]) -> None:
         if drawn["version"] == job.version:
             return
         drawn["version"] = job.version
-        stage.text = job.stages[-1] if job.stages and not job.ended else ""
-        done, of, unit = (not job.ended and job.done) or (0, None, "")
-        bar.visible = bool(of)
-        if of:
-            bar.value = done / of
-            stage.text = " · ".join(filter(None, (stage.text, f"{done} of {of} {unit}s")))
+        bar.value, *counts = job.done
+        bar.visible = bar.value is not None and not job.ended
+        now = () if job.ended else (job.stages[-1], *counts)
+        stage.text = " · ".join(filter(None, (f"{job.of}, since {job.since}", *now)))
         with texts:
             lines_of(job.lines[drawn["count"] :])
         drawn["count"] = len(job.lines)

@@ -2,10 +2,12 @@
 
 import asyncio
 from functools import partial
+from types import SimpleNamespace
 
 import pytest
 
-from stickslip.app.jobs import Job
+import stickslip as ss
+from stickslip.app.jobs import Job, Told
 from stickslip.app.workbench import Workbench
 
 testing = pytest.importorskip("nicegui.testing", reason="nicegui is not installed")
@@ -23,6 +25,31 @@ def opened(work, look):
     asyncio.run(see())
 
 
+def test_progress_is_what_a_terminal_shows():
+    job = Job("learn-axis-1")
+    connection = SimpleNamespace(send=lambda news: job._take(**news))
+    search = ss.ga.optimiser(
+        "default", ss.ga.Problem([ss.ga.Gene("a", 1.0, 2.0, 1.5)]), ss.ga.Limits(evaluations=20)
+    )
+    assert job.stages == ["loading"]
+    with Told(connection) as told:
+        told.stage("comparing friction laws")
+        told.move(1, 1)  # a single step says nothing
+        assert job.done == (None, "", "")
+        told.move(5, 5)
+        assert job.done == (1.0, "5 of 5 steps", "")
+        told.stage("trying compensators")
+        assert job.done == (None, "", "")
+        told._last = 0.0
+        told.move(25, None)
+        assert job.done == (None, "25 steps", "")
+        search.tell([0.25] * len(search.ask()))
+        told._last = 0.0
+        told.generation(search)
+        n = search.evaluations
+        assert job.done == (n / 20, f"{n} of 20 candidates", "best cost 0.25")
+
+
 @pytest.mark.parametrize("kind", ["learn", "tune", "arena"])
 def test_a_page_shows_what_was_begun_in_another(tmp_path, kind):
     work = Workbench(tmp_path)
@@ -34,8 +61,7 @@ def test_a_page_shows_what_was_begun_in_another(tmp_path, kind):
 
     async def look(user):
         await user.should_see(f"{kind}-axis-2")
-        await user.should_see("axis-2.csv, since 12:34")
-        await user.should_see("searching", retries=20)
+        await user.should_see("axis-2.csv, since 12:34 · searching", retries=20)
         await user.should_not_see(f"{kind}-axis-1")
         second.error, second.ended, second.version = "no friction is seen", True, 1
         await user.should_see("no friction is seen", retries=20)
