@@ -21,7 +21,7 @@ PARTS: dict[str, Callable[[Workbench], None]] = {
 STYLE = """
 .nicegui-content { padding: 0 } .q-tab-panel { padding: 16px } body { overflow-x: hidden }
 .wide { width: 100%; max-width: 72rem; margin: 0 auto }
-.q-notification .q-btn { color: inherit !important }
+.q-notification { --q-primary: currentColor }
 .q-uploader__list { min-height: 20px; padding: 0 8px }
 @media (max-width: 480px) { .q-header { padding: 0 } .q-tab { padding: 0 9px; min-width: 0 } }
 iframe.report { width: 100%; height: 85vh; border: 1px solid #8884; border-radius: 6px }

@@ -9,6 +9,7 @@ import pytest
 import stickslip as ss
 from stickslip.app.jobs import Job, Told
 from stickslip.app.workbench import Workbench
+from stickslip.models import build_fmu
 
 testing = pytest.importorskip("nicegui.testing", reason="nicegui is not installed")
 
@@ -48,6 +49,34 @@ def test_progress_is_what_a_terminal_shows():
         told.generation(search)
         n = search.evaluations
         assert job.done == (n / 20, f"{n} of 20 candidates", "best cost 0.25")
+
+
+def test_what_can_be_tuned_says_what_it_takes(tmp_path):
+    from nicegui import ui
+
+    work = Workbench(tmp_path)
+    results = work.runs / "learn-axis-1"
+    results.mkdir(parents=True)
+    for name in ("learned.json", "manifest.json", "compensator.fmu"):
+        (results / name).touch()
+    model, learned = str(build_fmu("stage", tmp_path)), str(results / "learned.json")
+
+    async def look(user):
+        user.find("Tune").click()
+        await user.should_see("Learned drive, FMU or SSP")
+        (file,) = user.find("Learned drive, FMU or SSP").elements
+        assert [*file.options] == [learned, model]  # no part of what was learned
+        assert file.options[learned].endswith("learned.json (learned drive)")
+        file.value = model
+        await user.should_see("In SI units, of m, b, F_s, F_c, v_s,", retries=20)
+        user.find(kind=ui.button, content="Tune").click()
+        await user.should_see("stage.fmu: enter ranges as in 'm=2.779:11.11 b=3.307:13.23'")
+        assert not work.jobs
+        file.value = learned
+        await user.should_see("May be empty;", retries=20)
+        await user.should_not_see("Cost (TOML)")
+
+    opened(work, look)
 
 
 @pytest.mark.parametrize("kind", ["learn", "tune", "arena"])
