@@ -56,7 +56,7 @@ class LogForm:
                     }
                     fields["name"].classes("grow min-w-0")
                 for field in fields.values():
-                    field.props("dense stack-label")
+                    field.props("dense stack-label bottom-slots")
                 self.columns[role] = fields
         with ui.row().classes("w-full gap-4"):
             kinds = list(ss.Description.CONTROLLERS)

@@ -7,9 +7,11 @@ from types import SimpleNamespace
 import pytest
 
 import stickslip as ss
+from stickslip import errors
 from stickslip.app.jobs import Job, Told
 from stickslip.app.workbench import Workbench
 from stickslip.models import build_fmu
+from tests.kept import ROOT
 
 testing = pytest.importorskip("nicegui.testing", reason="nicegui is not installed")
 
@@ -49,6 +51,14 @@ def test_progress_is_what_a_terminal_shows():
         told.generation(search)
         n = search.evaluations
         assert job.done == (n / 20, f"{n} of 20 candidates", "best cost 0.25")
+
+
+def test_fields_in_messages_are_those_of_the_page():
+    pages = "".join(
+        path.read_text(encoding="utf-8") for path in (ROOT / "stickslip/app").glob("*.py")
+    )
+    for label in errors._FIELDS.values():
+        assert f'"{label}"' in pages
 
 
 def test_what_can_be_tuned_says_what_it_takes(tmp_path):

@@ -202,7 +202,7 @@ def test_an_exposed_input_gets_a_constant_or_a_signal(server, browser):
     page.get_by_text("v_cmd: by the input signals").wait_for()
     page.wait_for_timeout(1000)
     assert page.locator("canvas").nth(1).screenshot() != constant
-    page.get_by_label("step [s]").fill("0.0004")
+    page.get_by_label("Step [s]").fill("0.0004")
     page.get_by_text("samples late or not at all; choose 0.00025 s").wait_for()
 
 
