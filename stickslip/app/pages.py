@@ -24,6 +24,10 @@ STYLE = """
 .q-notification { --q-primary: currentColor }
 .q-uploader__list { min-height: 20px; padding: 0 8px }
 @media (max-width: 480px) { .q-header { padding: 0 } .q-tab { padding: 0 9px; min-width: 0 } }
+@property --fade { syntax: "<length>"; inherits: false; initial-value: 0px; }
+@keyframes ends { from { --fade: 3rem } }
+.q-table__middle { animation: ends linear; animation-timeline: scroll(self inline);
+  mask: linear-gradient(to right, #000 calc(100% - var(--fade)), transparent) }
 iframe.report { width: 100%; height: 85vh; border: 1px solid #8884; border-radius: 6px }
 """
 
