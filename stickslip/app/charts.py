@@ -18,7 +18,6 @@ INK, LINE = "#868b92", "#868b9255"  # legible on light and dark
 
 NUMBER = "v => isNaN(v) || !v || (1e-3 <= Math.abs(v) && Math.abs(v) < 1e5) ? v : v.toExponential()"
 LABEL = {"color": INK, "hideOverlap": True, ":formatter": NUMBER}
-SHORT = {"left": 64, "right": 20, "top": 10, "bottom": 42}
 
 
 def _axis(name: str, **more: Any) -> Options:
@@ -68,7 +67,7 @@ def signals(of: Mapping[str, Any], before: Any = None) -> Options:
         yAxis=_axis("", type="value", scale=True),
         series=series,
         dataZoom=[{"type": "inside"}],
-        grid=SHORT,
+        grid={"left": 64, "right": 20, "top": 10, "bottom": 42},
         tooltip={"trigger": "axis"},
     )
 

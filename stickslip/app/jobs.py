@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from logging.handlers import QueueHandler
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -31,6 +32,10 @@ class Told(ss.Progress):
         self._connection = connection
         self._search: object = None
         self._sent, self._last = 0, 0.0
+
+    def put_nowait(self, record: logging.LogRecord) -> None:
+        """Tell a warning, as the queue of a handler."""
+        self.tell(line=f"warning: {record.getMessage()}")
 
     def tell(self, **news: object) -> None:
         """Send what is new of a job."""
@@ -65,15 +70,6 @@ class Told(ss.Progress):
         self.tell(candidates=rows)
         cost = f"best cost {algorithm.best.cost / (scale.of('F_c') ** 2 if scale else 1.0):.3g}"
         self.move(algorithm.evaluations, algorithm.limits.evaluations, "candidate", cost)
-
-
-class _Warnings(logging.Handler):
-    def __init__(self, told: Told) -> None:
-        super().__init__(logging.WARNING)
-        self._told = told
-
-    def emit(self, record: logging.LogRecord) -> None:
-        self._told.tell(line=f"warning: {record.getMessage()}")
 
 
 def learn(
@@ -126,7 +122,8 @@ def _work(connection: Connection, task: Callable[..., Lines], given: Mapping[str
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the server ends its jobs
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with Told(connection) as told, suppress(BrokenPipeError):
-        logging.getLogger("stickslip").addHandler(_Warnings(told))
+        queue: Any = told
+        logging.getLogger("stickslip").addHandler(QueueHandler(queue))
         try:
             told.tell(result=task(told, **given))
         except FAULTS as fault:
@@ -154,13 +151,11 @@ class Job:
     process: BaseProcess | None = None
 
     @classmethod
-    def begin(
-        cls, name: str, folder: Path, of: str, task: Callable[..., Lines], **given: Any
-    ) -> Job:
-        """Start a task, which writes to the folder."""
+    def begin(cls, name: str, of: str, task: Callable[..., Lines], **given: Any) -> Job:
+        """Start a task on some files."""
         context = multiprocessing.get_context("spawn")
         receiver, sender = context.Pipe(duplex=False)
-        process = context.Process(target=_work, args=(sender, task, given | {"folder": folder}))
+        process = context.Process(target=_work, args=(sender, task, given))
         process.start()
         sender.close()
         job = cls(name, of, process=process)

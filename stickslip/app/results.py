@@ -6,20 +6,15 @@ from typing import Any
 from nicegui import ui
 
 import stickslip as ss
-from stickslip.app.shown import PAGES, QUIET, attempt, follow, refreshed, report, show_results
-from stickslip.app.workbench import LEARNED, Workbench
+from stickslip.app.shown import QUIET, attempt, refreshed, report, show_results
+from stickslip.app.workbench import Workbench
 
 
 def results_part(work: Workbench) -> None:
-    """Choose results: one is shown, several are compared; jobs are followed."""
-
-    def names() -> list[str]:
-        running = [job.name for job in work.jobs.values() if not job.ended]
-        return [*running, *work.results(*LEARNED, *PAGES)]
-
-    chosen = ui.select(names(), label="Results", multiple=True)
+    """Choose results: one is shown, several are compared."""
+    chosen = ui.select(work.results(), label="Results", multiple=True)
     chosen.classes("w-full").props("use-chips")
-    refreshed(chosen, names)
+    refreshed(chosen, work.results)
     place = ui.column().classes("w-full")
 
     async def show() -> None:
@@ -34,10 +29,8 @@ def results_part(work: Workbench) -> None:
                 ui.label(f"Choose results of {work.runs}; several are compared.").classes(QUIET)
             elif len(several) > 1:
                 beside(found, folders)
-            elif (job := work.jobs.get(several[0])) and not job.ended:
-                follow(work, job, place)
             else:
-                show_results(work, several[0], job)
+                show_results(work, several[0], work.jobs.get(several[0]))
 
     chosen.on_value_change(show)
     ui.timer(0.0, show, once=True)

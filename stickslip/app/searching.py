@@ -2,6 +2,7 @@
 
 import os
 from pathlib import Path
+from typing import Any
 
 from nicegui import ui
 
@@ -16,8 +17,7 @@ WORKERS = os.cpu_count() or 1
 
 def tune_part(work: Workbench) -> None:
     """Search the loop of a learned drive, or parameters of a system."""
-    text = "Choose a learned drive to tune its loop, or an FMU or SSP and the cost to be least."
-    ui.label(text).classes(QUIET)
+    ui.label("Of a learned drive its loop, of an FMU or SSP what has ranges.").classes(QUIET)
     with ui.row().classes("w-full items-end gap-4"):
         file = ui.select(tunable(work), label="Learned drive, FMU or SSP", with_input=True)
         refreshed(file.classes("grow min-w-60 max-sm:w-full"), lambda: tunable(work))
@@ -90,26 +90,23 @@ def arena_part(work: Workbench) -> None:
     """Compare compensators on drives."""
     ui.label("Each compensator is tuned on each drive, then tried on other motions.").classes(QUIET)
     with ui.row().classes("w-full items-end gap-4"):
-        laws = ui.select(
-            ss.law_names(), label="Drives of friction laws", value=["lugre"], multiple=True
-        )
-        laws.classes("grow min-w-60").props("use-chips")
-        names = ui.input("Compensators", value="pi static lugre", placeholder="all").classes(
-            "grow min-w-60"
-        )
+        laws = ui.select(ss.law_names(), label="Friction laws", value=["lugre"], multiple=True)
+        names = ui.input("Compensators", value="pi static lugre", placeholder="all")
+        for one in (laws.props("use-chips"), names):
+            one.classes("grow min-w-60")
         evaluations = ui.number("Candidates", value=60, min=10, format="%d").classes("w-24")
         seeds = ui.number("Runs of each command", value=1, min=1, format="%d").classes("w-40")
 
     def begin() -> None:
         if busy(place):
             return
-        given = {"laws": laws.value or None, "compensators": names.value.split() or None}
-        budget = {
-            "evaluations": int(evaluations.value or 10),
-            "seeds": int(seeds.value or 1),
-            "workers": WORKERS,
+        given: dict[str, Any] = {
+            "laws": laws.value or None,
+            "compensators": names.value.split() or None,
         }
-        follow(work, work.begin("arena", ["drives"], jobs.arena, **given, **budget), place)
+        given |= {"evaluations": int(evaluations.value or 10), "seeds": int(seeds.value or 1)}
+        job = work.begin("arena", laws.value or ["drives"], jobs.arena, workers=WORKERS, **given)
+        follow(work, job, place)
 
     ui.button("Compare", icon="play_arrow", on_click=begin)
     place = ui.column().classes("w-full")

@@ -14,7 +14,7 @@ from nicegui import Client, run, ui
 
 from stickslip.app import charts, jobs
 from stickslip.app.jobs import FAULTS, Job, message_of
-from stickslip.app.workbench import LEARNED, Workbench
+from stickslip.app.workbench import LEARNED, PAGES, Workbench
 
 EVERY = 0.4  # time between two looks at a job [s]
 EMPTY = 2.0  # time between two looks for what an empty field could have [s]
@@ -22,7 +22,6 @@ _TOLD: MutableMapping[Client, ui.notification] = WeakKeyDictionary()
 _FOLLOWED: MutableMapping[ui.element, Job] = WeakKeyDictionary()
 QUIET = "text-sm opacity-70"
 DEPLOY = "deploy"  # the folder of what goes to the controller
-PAGES = ("report.html", "arena.html")
 
 
 def told(text: str) -> None:
