@@ -42,6 +42,7 @@ _FIELDS = {
     "evaluations": "Candidates",
     "input": "Input signals",
     "set": "Inputs and parameters",
+    "stop": "Stop time [s]",
 }
 """What is called on the page of the workbench otherwise."""
 
@@ -101,7 +102,7 @@ def _keyword(found: re.Match[str]) -> str:
 def _field(found: re.Match[str]) -> str:
     name, value = found.groups()
     if name in ("column", "unit", "scale") and value:
-        of = "" if name == "column" else f"{name} of "
+        of = "" if name == "column" else f"{name}' of '"
         pairs = _PAIR.findall(value)
         fields = (f"{text} in the field '{of}{role.replace('_', ' ')}'" for role, text in pairs)
         return ", ".join(fields)

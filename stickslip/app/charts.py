@@ -18,7 +18,6 @@ INK, LINE = "#868b92", "#868b9255"  # legible on light and dark
 
 NUMBER = "v => isNaN(v) || !v || (1e-3 <= Math.abs(v) && Math.abs(v) < 1e5) ? v : v.toExponential()"
 LABEL = {"color": INK, "hideOverlap": True, ":formatter": NUMBER}
-SHORT = {"left": 64, "right": 20, "top": 10, "bottom": 42}
 
 
 def _axis(name: str, **more: Any) -> Options:
@@ -68,7 +67,7 @@ def signals(of: Mapping[str, Any], before: Any = None) -> Options:
         yAxis=_axis("", type="value", scale=True),
         series=series,
         dataZoom=[{"type": "inside"}],
-        grid=SHORT,
+        grid={"left": 64, "right": 20, "top": 10, "bottom": 42},
         tooltip={"trigger": "axis"},
     )
 
@@ -109,7 +108,7 @@ def parallel(table: pd.DataFrame, names: list[str]) -> Options:
             "name": name.replace(".", "\n"),
             "nameTextStyle": {"color": INK, "lineHeight": 14},
             "scale": True,
-            "type": "log" if _spans_decades(shown[name]) else "value",
+            "type": "log" if 0.0 < 30.0 * shown[name].min() < shown[name].max() else "value",
             "axisLabel": LABEL,
             "axisLine": {"lineStyle": {"color": INK}},
         }
@@ -127,10 +126,6 @@ def parallel(table: pd.DataFrame, names: list[str]) -> Options:
         visualMap=scale,
         series=[{"type": "parallel", "lineStyle": {"width": 1.2, "opacity": 0.6}, "data": rows}],
     )
-
-
-def _spans_decades(values: pd.Series[float]) -> bool:
-    return bool(len(values) and 0.0 < 30.0 * values.min() < values.max())
 
 
 def importances(table: pd.DataFrame, names: list[str]) -> Options:

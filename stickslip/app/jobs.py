@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from logging.handlers import QueueHandler
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -32,6 +33,10 @@ class Told(ss.Progress):
         self._search: object = None
         self._sent, self._last = 0, 0.0
 
+    def put_nowait(self, record: logging.LogRecord) -> None:
+        """Tell a warning, as the queue of a handler."""
+        self.tell(line=f"warning: {record.getMessage()}")
+
     def tell(self, **news: object) -> None:
         """Send what is new of a job."""
         self._connection.send(news)
@@ -45,12 +50,13 @@ class Told(ss.Progress):
         for finding in findings:
             self.tell(line=str(finding))
 
-    def move(self, done: int, of: int | None, unit: str = "step", _remark: str = "") -> None:
-        """Tell how much of a stage is done, at most ten times a second."""
+    def move(self, done: int, of: int | None, unit: str = "step", remark: str = "") -> None:
+        """Tell how much of a stage of several steps is done, at most ten times a second."""
         now = time.monotonic()
-        if now - self._last > RATE or done == of:
+        if of not in (0, 1) and (now - self._last > RATE or done == of):
             self._last = now
-            self.tell(done=(done, of, unit))
+            count = f"{done} of {of}" if of else f"{done}"
+            self.tell(done=(of and done / of, f"{count} {unit}s", remark))
 
     def generation(self, algorithm: ss.ga.Optimiser, scale: Any = None) -> None:
         """Tell the candidates of a search since the last ones, in SI units."""
@@ -62,16 +68,8 @@ class Told(ss.Progress):
         if scale:
             rows = rows / [*map(scale.of, algorithm.names), scale.of("F_c") ** 2]
         self.tell(candidates=rows)
-        self.move(algorithm.evaluations, algorithm.limits.evaluations, "candidate")
-
-
-class _Warnings(logging.Handler):
-    def __init__(self, told: Told) -> None:
-        super().__init__(logging.WARNING)
-        self._told = told
-
-    def emit(self, record: logging.LogRecord) -> None:
-        self._told.tell(line=f"warning: {record.getMessage()}")
+        cost = f"best cost {algorithm.best.cost / (scale.of('F_c') ** 2 if scale else 1.0):.3g}"
+        self.move(algorithm.evaluations, algorithm.limits.evaluations, "candidate", cost)
 
 
 def learn(
@@ -124,7 +122,8 @@ def _work(connection: Connection, task: Callable[..., Lines], given: Mapping[str
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the server ends its jobs
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with Told(connection) as told, suppress(BrokenPipeError):
-        logging.getLogger("stickslip").addHandler(_Warnings(told))
+        queue: Any = told
+        logging.getLogger("stickslip").addHandler(QueueHandler(queue))
         try:
             told.tell(result=task(told, **given))
         except FAULTS as fault:
@@ -138,10 +137,11 @@ class Job:
     """A task that runs or has run, and what it has told."""
 
     name: str
-    folder: Path | None  # of its results
-    stages: Lines = field(default_factory=list)
+    of: str = ""  # the files that it takes
+    since: str = field(default_factory=lambda: time.strftime("%H:%M"))
+    stages: Lines = field(default_factory=lambda: ["loading"])
     lines: Lines = field(default_factory=list)  # findings, warnings, what was done
-    done: tuple[int, int | None, str] | None = None  # steps, of how many, unit
+    done: tuple[float | None, str, str] = (None, "", "")  # share of the stage, steps, remark
     names: list[str] = field(default_factory=list)  # of the parameters of the present search
     candidates: list[Any] = field(default_factory=list)  # tables of them, by generation
     result: Lines | None = None
@@ -151,15 +151,14 @@ class Job:
     process: BaseProcess | None = None
 
     @classmethod
-    def begin(cls, name: str, folder: Path | None, task: Callable[..., Lines], **given: Any) -> Job:
-        """Start a task, with the folder as its first argument if there is one."""
+    def begin(cls, name: str, of: str, task: Callable[..., Lines], **given: Any) -> Job:
+        """Start a task on some files."""
         context = multiprocessing.get_context("spawn")
         receiver, sender = context.Pipe(duplex=False)
-        given |= {"folder": folder} if folder else {}
         process = context.Process(target=_work, args=(sender, task, given))
         process.start()
         sender.close()
-        job = cls(name, folder, process=process)
+        job = cls(name, of, process=process)
         Thread(target=job._follow, args=(receiver, process), daemon=True).start()
         return job
 
@@ -177,7 +176,7 @@ class Job:
         for name, value in news.items():
             if name == "stage":
                 self.stages.append(value)
-                self.done = None
+                self.done = Job.done
             elif name == "line":
                 self.lines.append(value)
             elif name == "search":

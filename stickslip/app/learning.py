@@ -1,7 +1,9 @@
 """The part of the page that learns from a log."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
@@ -10,16 +12,15 @@ from nicegui import events, run, ui
 import stickslip as ss
 from stickslip.app import charts, jobs
 from stickslip.app.jobs import FAULTS, message_of
-from stickslip.app.shown import QUIET, attempt, busy, chart, follow, lines_of, refreshed, told
+from stickslip.app.shown import QUIET, attempt, busy, chart, follow, lines_of, refreshed, resume
 from stickslip.app.workbench import Workbench
 
 
 def number(text: Any) -> Any:
     """Return a number where a field holds one, else its text, or None where it is empty."""
-    try:
+    with suppress(TypeError, ValueError):
         return float(text)
-    except (TypeError, ValueError):
-        return str(text).strip() or None if text is not None else None
+    return str(text or "").strip() or None
 
 
 class LogForm:
@@ -35,9 +36,6 @@ class LogForm:
         self.names: list[str] = []  # of the columns in the log
         self.columns: dict[str, dict[str, Any]] = {}
         self.single: dict[str, Any] = {}
-        self.controller: Any = None
-        self.confirm: Any = None
-        self.gains: Any = None
 
     def build(self, base: ss.Description, names: Mapping[str, str]) -> None:
         """Build the fields with what a description holds and the columns that a file has."""
@@ -56,7 +54,7 @@ class LogForm:
                     }
                     fields["name"].classes("grow min-w-0")
                 for field in fields.values():
-                    field.props("dense stack-label")
+                    field.props("dense stack-label bottom-slots")
                 self.columns[role] = fields
         with ui.row().classes("w-full gap-4"):
             kinds = list(ss.Description.CONTROLLERS)
@@ -115,10 +113,8 @@ def learn_part(work: Workbench) -> None:
 
         async def uploaded(event: events.UploadEventArguments) -> None:
             path = work.folder / event.file.name
-            for k in range(1, 1000):
-                if not path.exists():
-                    break
-                path = work.folder / f"{Path(event.file.name).stem}-{k}{path.suffix}"
+            others = (path.with_stem(f"{path.stem}-{k}") for k in count(1))
+            path = next(one for one in chain([path], others) if not one.exists())
             await event.file.save(path)
             upload.reset()
             ui.notify(f"saved as {path}")
@@ -128,6 +124,7 @@ def learn_part(work: Workbench) -> None:
         upload = ui.upload(on_upload=uploaded, auto_upload=True, multiple=True)
         upload.props("flat bordered label='Drop logs here'").classes("w-56")
     outcome = ui.column().classes("w-full")
+    resume(work, "learn", outcome)
     body = ui.column().classes("w-full")
     with body:
         ui.label(
@@ -148,9 +145,8 @@ def learn_part(work: Workbench) -> None:
     async def described() -> None:
         if not log.value:
             return
-        base = ss.Description()
-        if config.value:
-            base = await attempt(ss.load_description, Path(config.value)) or base
+        given = config.value and await attempt(ss.load_description, Path(config.value))
+        base = given or ss.Description()
         body.clear()
         with body:
             ui.spinner()
@@ -172,16 +168,12 @@ def learn_part(work: Workbench) -> None:
                 form.build(base, names)
             signals = ui.column().classes("w-full")
 
-        def begin() -> None:
-            if busy(outcome):
-                return
-            try:
-                description = form.description()
-            except FAULTS as fault:
-                told(message_of(fault))
+        async def begin() -> None:
+            description = await attempt(form.description)
+            if description is None or busy(outcome):
                 return
             job = work.begin(
-                *("learn", log.value[0], jobs.learn),
+                *("learn", log.value, jobs.learn),
                 logs=list(log.value),
                 description=description,
                 law=law.value,
@@ -210,15 +202,12 @@ def learn_part(work: Workbench) -> None:
                 for reading, findings in checked:
                     ui.label(reading.recording.source).classes(QUIET)
                     lines_of(map(str, findings))
+            recordings = [reading.recording for reading, _ in checked]
             with signals:
                 for name in ("position", "velocity", "force"):
-                    draw(name, [reading.recording for reading, _ in checked])
-
-        def draw(name: str, recordings: list[Any]) -> None:
-            shown = [one for one in recordings if getattr(one, name) is not None]
-            drawn = {one.source: (one.t, getattr(one, name)) for one in shown}
-            if drawn:
-                chart(f"{name} (SI)", charts.signals(drawn), "h-40")
+                    shown = [one for one in recordings if getattr(one, name) is not None]
+                    if drawn := {one.source: (one.t, getattr(one, name)) for one in shown}:
+                        chart(f"{name} (SI)", charts.signals(drawn), "h-40")
 
         await check()
 

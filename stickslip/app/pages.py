@@ -20,10 +20,13 @@ PARTS: dict[str, Callable[[Workbench], None]] = {
 }
 STYLE = """
 .nicegui-content { padding: 0 } .q-tab-panel { padding: 16px } body { overflow-x: hidden }
-.wide { width: 100%; max-width: 72rem; margin: 0 auto }
-.q-notification .q-btn { color: inherit !important }
+.wide { width: 100%; max-width: 72rem; margin: auto } .q-notification { --q-primary: currentColor }
 .q-uploader__list { min-height: 20px; padding: 0 8px }
 @media (max-width: 480px) { .q-header { padding: 0 } .q-tab { padding: 0 9px; min-width: 0 } }
+@property --fade { syntax: "<length>"; inherits: false; initial-value: 0px; }
+@keyframes ends { from { --fade: 3rem } }
+.q-table__middle { animation: ends linear; animation-timeline: scroll(self inline);
+  mask: linear-gradient(to right, #000 calc(100% - var(--fade)), transparent) }
 iframe.report { width: 100%; height: 85vh; border: 1px solid #8884; border-radius: 6px }
 """
 
@@ -38,7 +41,9 @@ def page(work: Workbench) -> None:
         with tabs.classes("grow min-w-0"):
             for name in PARTS:
                 ui.tab(name)
-    with ui.tab_panels(tabs, value=next(iter(PARTS))).classes("wide bg-transparent"):
+    running = (name.split("-")[0].title() for name, job in work.jobs.items() if not job.ended)
+    *_, shown = "Learn", *running
+    with ui.tab_panels(tabs, value=shown).classes("wide bg-transparent"):
         for name, part in PARTS.items():
             with ui.tab_panel(name):
                 part(work)

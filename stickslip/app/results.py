@@ -1,44 +1,43 @@
 """The part of the page that shows results, several of them side by side."""
 
+from pathlib import Path
+from typing import Any
+
 from nicegui import ui
 
 import stickslip as ss
-from stickslip.app.shown import PAGES, QUIET, attempt, follow, refreshed, report, show_results
-from stickslip.app.workbench import LEARNED, Workbench
+from stickslip.app.shown import QUIET, attempt, refreshed, report, show_results
+from stickslip.app.workbench import Workbench
 
 
 def results_part(work: Workbench) -> None:
-    """Choose results: one is shown, several are compared; jobs are followed."""
-
-    def names() -> list[str]:
-        running = [job.name for job in work.jobs.values() if not job.ended]
-        return [*running, *work.results(*LEARNED, *PAGES)]
-
-    chosen = ui.select(names(), label="Results", multiple=True)
+    """Choose results: one is shown, several are compared."""
+    chosen = ui.select(work.results(), label="Results", multiple=True)
     chosen.classes("w-full").props("use-chips")
-    refreshed(chosen, names)
+    refreshed(chosen, work.results)
     place = ui.column().classes("w-full")
 
     async def show() -> None:
-        place.clear()
         several = list(chosen.value)
+        folders = [work.runs / name for name in several]
+        found = await attempt(ss.compare, folders) if several[1:] else None
+        if several != chosen.value:  # others were chosen meanwhile
+            return
+        place.clear()
         with place:
             if not several:
                 ui.label(f"Choose results of {work.runs}; several are compared.").classes(QUIET)
             elif len(several) > 1:
-                await compare(work, several)
-            elif (job := work.jobs.get(several[0])) and not job.ended:
-                follow(work, job, place)
+                beside(found, folders)
             else:
-                show_results(work, several[0], job)
+                show_results(work, several[0], work.jobs.get(several[0]))
 
     chosen.on_value_change(show)
     ui.timer(0.0, show, once=True)
 
 
-async def compare(work: Workbench, names: list[str]) -> None:
-    """Show parameters, errors and pages of results beside each other."""
-    found = await attempt(ss.compare, [work.runs / name for name in names])
+def beside(found: Any, folders: list[Path]) -> None:
+    """Show parameters and errors, if they could be compared, and pages beside each other."""
     if found is not None:
         parameters = found.side_by_side().reset_index()
         for title, frame in {
@@ -47,9 +46,9 @@ async def compare(work: Workbench, names: list[str]) -> None:
         }.items():
             ui.label(title).classes(QUIET)
             shown = ui.table.from_pandas(frame, column_defaults={"align": "left"})
-            shown.classes("w-full").props("dense flat bordered wrap-cells")
+            shown.classes("w-full").props("dense flat bordered")
     with ui.row().classes("w-full flex-nowrap max-md:flex-wrap gap-4"):
-        for name in names:
+        for folder in folders:
             with ui.column().classes("min-w-0 grow basis-0 max-md:basis-full"):
-                ui.label(name).classes("font-bold")
-                report(work.runs / name)
+                ui.label(folder.name).classes("font-bold")
+                report(folder)

@@ -20,13 +20,7 @@ from nicegui.translations import translations
 from stickslip.app.pages import page
 from stickslip.app.workbench import Workbench
 
-GONE = {
-    "connection_lost": "The server has gone.",
-    "trying_to_reconnect": "Start 'stickslip app' again and open the address that it prints.",
-}
-RECONNECTS = 60.0
-"""Time [s] for which a tab keeps its state without an answer of the server: after NiceGUI's 3 s it
-is loaded again, without a running job, and a learning on a busy machine keeps the server longer."""
+RECONNECTS = 60.0  # time [s] without an answer after which a tab loses what was entered
 
 
 class Guard:
@@ -45,10 +39,8 @@ class Guard:
         (given,) = parse_qs(scope["query_string"].decode()).get("token", [""])[:1]
         held = SimpleCookie(headers.get("cookie", "")).get(self._cookie)
         ours = headers.get("origin", self._origin) == self._origin
-        known = [
-            secrets.compare_digest(one, self._token) for one in (given, held and held.value) if one
-        ]
-        if not (ours and any(known)):
+        tokens = filter(None, (given, held and held.value))
+        if not (ours and any(secrets.compare_digest(one, self._token) for one in tokens)):
             refusal = PlainTextResponse("open the address that 'stickslip app' has printed", 403)
             if scope["type"] == "http":
                 await refusal(scope, receive, send)
@@ -80,7 +72,8 @@ def serve(folder: Path, port: int, announce: Callable[[str], object]) -> None:
         return FileResponse(found, headers={"Cache-Control": "no-cache"})
 
     for words in translations.values():
-        words.update(GONE)
+        words["connection_lost"] = "The server has gone."
+        words["trying_to_reconnect"] = "Start 'stickslip app' again and open what it prints."
     ui.run_with(
         web,
         root=partial(page, workbench),

@@ -3,7 +3,7 @@
 import json
 import shutil
 import tempfile
-from collections.abc import Awaitable, Callable, Iterable, MutableMapping
+from collections.abc import Callable, Iterable, MutableMapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from nicegui import Client, run, ui
 
 from stickslip.app import charts, jobs
 from stickslip.app.jobs import FAULTS, Job, message_of
-from stickslip.app.workbench import LEARNED, Workbench
+from stickslip.app.workbench import LEARNED, PAGES, Workbench
 
 EVERY = 0.4  # time between two looks at a job [s]
 EMPTY = 2.0  # time between two looks for what an empty field could have [s]
@@ -22,7 +22,6 @@ _TOLD: MutableMapping[Client, ui.notification] = WeakKeyDictionary()
 _FOLLOWED: MutableMapping[ui.element, Job] = WeakKeyDictionary()
 QUIET = "text-sm opacity-70"
 DEPLOY = "deploy"  # the folder of what goes to the controller
-PAGES = ("report.html", "arena.html")
 
 
 def told(text: str) -> None:
@@ -83,12 +82,11 @@ def lines_of(lines: Iterable[str]) -> None:
 def show_job(job: Job, then: Callable[[], object]) -> None:
     """Show how far a job is, and what follows when it has ended."""
     with ui.card().classes("w-full"):
-        with ui.row().classes("items-center w-full"):
+        with ui.row().classes("items-center w-full flex-nowrap"):
             ui.spinner(size="sm").bind_visibility_from(job, "ended", backward=lambda one: not one)
-            ui.label(job.name).classes("font-bold")
-            stage = ui.label().classes(QUIET)
-            ui.space()
+            ui.label(job.name).classes("font-bold grow min-w-0 break-words")
             stop = ui.button("Stop", on_click=job.stop).props("flat dense")
+        stage = ui.label().classes(QUIET)
         bar = ui.linear_progress(0.0, show_value=False).props("instant-feedback")
         course = ui.column().classes("w-full gap-1")
         with ui.expansion("Messages").classes("w-full") as messages:
@@ -115,12 +113,10 @@ def show_job(job: Job, then: Callable[[], object]) -> None:
         if drawn["version"] == job.version:
             return
         drawn["version"] = job.version
-        stage.text = job.stages[-1] if job.stages and not job.ended else ""
-        done, of, unit = (not job.ended and job.done) or (0, None, "")
-        bar.visible = bool(of)
-        if of:
-            bar.value = done / of
-            stage.text = " · ".join(filter(None, (stage.text, f"{done} of {of} {unit}s")))
+        bar.value, *counts = job.done
+        bar.visible = bar.value is not None and not job.ended
+        now = () if job.ended else (job.stages[-1], *counts)
+        stage.text = " · ".join(filter(None, (f"{job.of}, since {job.since}", *now)))
         with texts:
             lines_of(job.lines[drawn["count"] :])
         drawn["count"] = len(job.lines)
@@ -160,7 +156,7 @@ def show_results(work: Workbench, name: str, job: Job | None = None) -> None:
                 _download(file.name, partial(ui.download.file, file))
                 if learned:
                     for form in ("c", "st"):
-                        export = _exports(learned, file.stem, form)
+                        export = partial(exported, learned, file.stem, form)
                         _download(f"{file.stem}: {form.upper()}", export)
         if job is not None and job.result:
             with ui.expansion("Details").classes("w-full"):
@@ -205,14 +201,18 @@ def _download(label: str, on_click: Callable[[], object]) -> None:
     ui.button(label, icon="download", on_click=on_click).props("outline dense no-caps")
 
 
-def _exports(learned: Path, part: str, form: str) -> Callable[[], Awaitable[None]]:
-    async def export() -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            files = await attempt(jobs.export, learned, part, form, Path(folder))
-            for file in files or ():
-                ui.download.content(file.read_bytes(), file.name)
+async def exported(learned: Path, part: str, form: str) -> None:
+    """Download a part as the command exports it."""
+    with tempfile.TemporaryDirectory() as folder:
+        for file in await attempt(jobs.export, learned, part, form, Path(folder)) or ():
+            ui.download.content(file.read_bytes(), file.name)
 
-    return export
+
+def resume(work: Workbench, kind: str, place: ui.element) -> None:
+    """Show what was begun in another tab of the browser, or in this one before it was reloaded."""
+    with place:
+        for job in work.begun(kind):
+            follow(work, job, ui.column().classes("w-full"))
 
 
 def follow(work: Workbench, job: Job, place: ui.element) -> None:

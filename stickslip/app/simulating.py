@@ -78,8 +78,8 @@ class Bench:
         with ui.row().classes("w-full items-start flex-nowrap max-md:flex-wrap gap-6"):
             with ui.column().classes("w-80 max-md:w-full gap-1 shrink-0"):
                 with ui.grid(columns=2).classes("w-full"):
-                    self.stop = ui.number("stop time [s]", value=times.get("stop") or 1.0, min=0.0)
-                    self.step = ui.number("step [s]", value=times.get("step"), min=0.0)
+                    self.stop = ui.number("Stop time [s]", value=times.get("stop") or 1.0, min=0.0)
+                    self.step = ui.number("Step [s]", value=times.get("step"), min=0.0)
                     self.step.props("placeholder=automatic stack-label")
                 table = ui.select(work.files(TABLES), label="Input signals", clearable=True)
                 table.classes("w-full").props("hint='a table with columns time and one per input'")

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ LOGS = {
     *(".tdms", ".mf4"),
 }
 MODELS = {".fmu", ".ssp"}
-LEARNED = ("learned.json", "tuned.json")
+LEARNED, PAGES = ("learned.json", "tuned.json"), ("report.html", "arena.html")
 MOST = 2000  # files that are listed
 
 
@@ -44,21 +45,23 @@ class Workbench:
         described = {path for path in results if path.with_suffix(".toml") in results}
         return {path: name for path, name in found.items() if Path(path) not in results - described}
 
-    def results(self, *names: str) -> list[str]:
-        """Return the folders of results that have one of some files, the newest first."""
-        found = {path.parent for name in names for path in self.runs.glob(f"*/{name}")}
+    def results(self) -> list[str]:
+        """Return the folders of results, the newest first."""
+        found = {path.parent for name in LEARNED + PAGES for path in self.runs.glob(f"*/{name}")}
         return [one.name for one in sorted(found, key=lambda one: -one.stat().st_mtime)]
 
-    def begin(self, kind: str, of: str, task: Callable[..., Lines], **given: Any) -> Job:
-        """Start a job that writes to a new folder."""
-        stem, k = f"{kind}-{Path(of).stem}", 1
-        while (self.runs / f"{stem}-{k}").exists() or f"{stem}-{k}" in self.jobs:
-            k += 1
-        name = f"{stem}-{k}"
+    def begin(self, kind: str, of: list[str], task: Callable[..., Lines], **given: Any) -> Job:
+        """Start a job on some files that writes to a new folder."""
+        every = (f"{kind}-{Path(of[0]).stem}-{k}" for k in count(1))
+        name = next(n for n in every if not (n in self.jobs or (self.runs / n).exists()))
         self.runs.mkdir(exist_ok=True)
-        job = Job.begin(name, self.runs / name, task, **given)
-        self.jobs[name] = job
-        return job
+        files, given["folder"] = ", ".join(Path(one).name for one in of), self.runs / name
+        return self.jobs.setdefault(name, Job.begin(name, files, task, **given))
+
+    def begun(self, kind: str) -> list[Job]:
+        """Return the jobs of a kind that run, else the last one."""
+        jobs = [job for name, job in self.jobs.items() if name.startswith(f"{kind}-")]
+        return [job for job in jobs if not job.ended] or jobs[-1:]
 
     def close(self) -> None:
         """End the jobs."""

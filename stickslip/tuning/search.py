@@ -14,6 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip import ga
 from stickslip.ga.execution.evaluation import Evaluate
+from stickslip.output import shown_by
 from stickslip.thresholds import kept
 
 POWER = 8
@@ -50,9 +51,9 @@ def search(
     workers: int,  # candidates side by side
     on_generation: Callable[[ga.Optimiser], object] | None = None,
 ) -> None:
-    """Search; raise ga.NothingLearned, ga.Interrupted as ``ga.learn``."""
+    """Search, and show no steps of candidates; raise ga.NothingLearned, ga.Interrupted."""
     one_thread = threadpool_limits(limits=1, user_api="blas")  # matrices are small, workers many
-    with one_thread, ga.executor("threads", workers) as executor:
+    with one_thread, shown_by(lambda *_: None), ga.executor("threads", workers) as executor:
         ga.learn(algorithm, cost, executor, on_generation)
 
 

@@ -111,10 +111,10 @@ def test_a_setting_is_an_option_or_a_keyword(text, option, keyword):
     ("text", "field"),
     [
         ("give <column time=NAME>", "give NAME in the field 'time'"),
-        ("<unit encoder_step=mm> or <gain>", "mm in the field 'unit of encoder step' or the field"),
+        ("<unit force=mN> or <gain>", "mN in the field 'unit' of 'force' or the field"),
         (
             "<unit time=ms force=kN>",
-            "ms in the field 'unit of time', kN in the field 'unit of force'",
+            "ms in the field 'unit' of 'time', kN in the field 'unit' of 'force'",
         ),
         ("give <law auto>", "give auto in the field 'Friction law'"),
     ],

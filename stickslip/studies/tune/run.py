@@ -14,7 +14,7 @@ from stickslip.learned.file import LearnedFile
 from stickslip.loops.drive_loop import DriveLoop
 from stickslip.loops.family_cost import FamilyCost, cost_of, ratios
 from stickslip.models.export.units import motion_unit
-from stickslip.output import SILENT, Progress
+from stickslip.output import SILENT, Progress, counted_steps
 from stickslip.presentation.table import Column, Table
 from stickslip.servo.axis import ControlError
 from stickslip.servo.observer import masses_between
@@ -200,9 +200,10 @@ def tune_drive(
         search(algorithm, cost, 1, progress.generation)  # the cost has the workers
         progress.stage("running the best loops on all drives")
         loops = {f"{TUNED} {k}": start.with_values(g) for k, g in enumerate(best_of(algorithm))}
-        loops = {name: one for name, one in loops.items() if cost.excess(one) <= 1.0}
-        loops[PRESENT] = start
-        errors = {name: cost.rows(one) for name, one in loops.items()}
+        with counted_steps():
+            loops = {name: one for name, one in loops.items() if cost.excess(one) <= 1.0}
+            loops[PRESENT] = start
+            errors = {name: cost.rows(one) for name, one in loops.items()}
         finalists = []
         for name, rows in errors.items():
             found = ratios(rows)

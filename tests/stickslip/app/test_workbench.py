@@ -134,6 +134,8 @@ def test_from_a_dropped_log_to_the_downloaded_compensator(brief_server, browser,
     page.get_by_role("button", name="Learn").click()
     page.get_by_text("learn-log-1 still runs; stop it first").wait_for()
     page.get_by_text("Importances").wait_for(timeout=LONG)
+    third = opened(browser, address)
+    third.get_by_text(re.compile(r"^log.csv, second.csv, since \d\d:\d\d")).wait_for()
     page.get_by_text("Coulomb feedforward (static)").first.wait_for(timeout=LONG)
     check = page.get_by_text("drive disabled: a slow positive")
     assert check.bounding_box()["y"] < 720.0  # without scrolling
@@ -156,6 +158,20 @@ def test_from_a_dropped_log_to_the_downloaded_compensator(brief_server, browser,
     other.get_by_role("tab", name="Results").click()
     choose(other, "Results", "learn-log-1")
     other.get_by_text("drive disabled: a slow positive").wait_for()
+
+    # On a telephone tables go on to the right, where they fade, and the page does not.
+    shutil.copytree(folder / "runs/learn-log-1", folder / "runs/learn-log-2")
+    other.set_viewport_size({"width": 390, "height": 800})
+    choose(other, "Results", "learn-log-2")
+    table = other.locator(".q-table__middle").first
+    table.wait_for(timeout=LONG)
+    assert table.evaluate("one => one.scrollWidth > one.clientWidth")
+    fade = "one => getComputedStyle(one).getPropertyValue('--fade')"
+    assert table.evaluate(fade) == "48px"
+    table.evaluate("one => one.scrollTo(one.scrollWidth, 0)")
+    other.wait_for_timeout(500)
+    assert table.evaluate(fade) == "0px"
+    assert other.evaluate("document.scrollingElement.scrollWidth") == 390
 
     process.send_signal(signal.SIGINT)
     page.get_by_text("The server has gone.").wait_for()
@@ -202,7 +218,7 @@ def test_an_exposed_input_gets_a_constant_or_a_signal(server, browser):
     page.get_by_text("v_cmd: by the input signals").wait_for()
     page.wait_for_timeout(1000)
     assert page.locator("canvas").nth(1).screenshot() != constant
-    page.get_by_label("step [s]").fill("0.0004")
+    page.get_by_label("Step [s]").fill("0.0004")
     page.get_by_text("samples late or not at all; choose 0.00025 s").wait_for()
 
 

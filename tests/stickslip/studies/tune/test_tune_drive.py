@@ -21,6 +21,7 @@ from stickslip.loops.drive_loop import DriveLoop
 from stickslip.loops.family_cost import FamilyCost, ratios
 from stickslip.loops.other_gains import try_other_gains
 from stickslip.models import load_model
+from stickslip.output import Progress
 from stickslip.presentation.quantity import number
 from stickslip.servo.axis import Axis, Datasheet
 from stickslip.servo.lanes import Lanes
@@ -178,10 +179,25 @@ def test_gains_beyond_a_limit_are_not_reported(cost, monkeypatch):
     assert "none of 1 loops tried" in try_other_gains(cost).sentence
 
 
+class Heard(Progress):
+    """The stages, each with how many steps its last one is to have."""
+
+    def __init__(self):
+        self.steps = {}
+
+    def stage(self, name):
+        self.steps[name.partition(" ")[0]] = "none"
+
+    def move(self, _done, of, *_):
+        self.steps[[*self.steps][-1]] = of
+
+
 def test_no_motion_gets_worse_and_what_is_fixed_stays_to_the_bit(learned):
     file = LearnedFile(learned())
     fixed = ("controller.K_i", "observer")
-    found = tune_drive(file, TuneSettings(fixed=fixed, evaluations=20, seed=1))
+    with Heard() as heard:
+        found = tune_drive(file, TuneSettings(fixed=fixed, evaluations=20, seed=1), heard)
+    assert heard.steps == {"building": 1, "tuning": "none", "running": None}
     before, after = found.start.tunable, found.best.tunable
     assert found.is_better
     assert set(found.names) == {"controller.K_p", "controller.tau_f", "compensator.share"}

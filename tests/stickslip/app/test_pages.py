@@ -1,0 +1,110 @@
+"""The workbench without a browser: what its pages show."""
+
+import asyncio
+from functools import partial
+from types import SimpleNamespace
+
+import pytest
+
+import stickslip as ss
+from stickslip import errors
+from stickslip.app.jobs import Job, Told
+from stickslip.app.workbench import Workbench
+from stickslip.models import build_fmu
+from tests.kept import ROOT
+
+testing = pytest.importorskip("nicegui.testing", reason="nicegui is not installed")
+
+
+def opened(work, look):
+    """Open the page of a workbench, and let a coroutine look at it."""
+    from stickslip.app.pages import page
+
+    async def see():
+        async with testing.user_simulation(partial(page, work)) as user:
+            await user.open("/")
+            await look(user)
+
+    asyncio.run(see())
+
+
+def test_progress_is_what_a_terminal_shows():
+    job = Job("learn-axis-1")
+    connection = SimpleNamespace(send=lambda news: job._take(**news))
+    search = ss.ga.optimiser(
+        "default", ss.ga.Problem([ss.ga.Gene("a", 1.0, 2.0, 1.5)]), ss.ga.Limits(evaluations=20)
+    )
+    assert job.stages == ["loading"]
+    with Told(connection) as told:
+        told.stage("comparing friction laws")
+        told.move(1, 1)  # a single step says nothing
+        assert job.done == (None, "", "")
+        told.move(5, 5)
+        assert job.done == (1.0, "5 of 5 steps", "")
+        told.stage("trying compensators")
+        assert job.done == (None, "", "")
+        told._last = 0.0
+        told.move(25, None)
+        assert job.done == (None, "25 steps", "")
+        search.tell([0.25] * len(search.ask()))
+        told._last = 0.0
+        told.generation(search)
+        n = search.evaluations
+        assert job.done == (n / 20, f"{n} of 20 candidates", "best cost 0.25")
+
+
+def test_fields_in_messages_are_those_of_the_page():
+    pages = "".join(
+        path.read_text(encoding="utf-8") for path in (ROOT / "stickslip/app").glob("*.py")
+    )
+    for label in errors._FIELDS.values():
+        assert f'"{label}"' in pages
+
+
+def test_what_can_be_tuned_says_what_it_takes(tmp_path):
+    from nicegui import ui
+
+    work = Workbench(tmp_path)
+    results = work.runs / "learn-axis-1"
+    results.mkdir(parents=True)
+    for name in ("learned.json", "manifest.json", "compensator.fmu"):
+        (results / name).touch()
+    model, learned = str(build_fmu("stage", tmp_path)), str(results / "learned.json")
+
+    async def look(user):
+        user.find("Tune").click()
+        await user.should_see("Learned drive, FMU or SSP")
+        (file,) = user.find("Learned drive, FMU or SSP").elements
+        assert [*file.options] == [learned, model]  # no part of what was learned
+        assert file.options[learned].endswith("learned.json (learned drive)")
+        file.value = model
+        await user.should_see("In SI units, of m, b, F_s, F_c, v_s,", retries=20)
+        user.find(kind=ui.button, content="Tune").click()
+        await user.should_see("stage.fmu: enter ranges as in 'm=2.779:11.11 b=3.307:13.23'")
+        assert not work.jobs
+        file.value = learned
+        await user.should_see("May be empty;", retries=20)
+        await user.should_not_see("Cost (TOML)")
+
+    opened(work, look)
+
+
+@pytest.mark.parametrize("kind", ["learn", "tune", "arena"])
+def test_a_page_shows_what_was_begun_in_another(tmp_path, kind):
+    work = Workbench(tmp_path)
+    for k in (1, 2):
+        name = f"{kind}-axis-{k}"
+        work.jobs[name] = Job(name, of=f"axis-{k}.csv", since="12:34", stages=["searching"])
+    first, second = work.jobs.values()
+    first.ended = True
+
+    async def look(user):
+        await user.should_see(f"{kind}-axis-2")
+        await user.should_see("axis-2.csv, since 12:34 · searching", retries=20)
+        await user.should_not_see(f"{kind}-axis-1")
+        second.error, second.ended, second.version = "no friction is seen", True, 1
+        await user.should_see("no friction is seen", retries=20)
+
+    opened(work, look)
+    if kind == "learn":  # that tab is open when nothing runs
+        opened(work, lambda user: user.should_see("no friction is seen", retries=20))
