@@ -18,7 +18,7 @@ from stickslip.learned.writing import component_entry, loop_document
 from stickslip.models.export.units import motion_unit
 from stickslip.presentation import style
 from stickslip.presentation.page import Section, picture_files, write_page
-from stickslip.presentation.quantity import number
+from stickslip.presentation.quantity import number, unit
 from stickslip.presentation.table import Column, Table
 from stickslip.storage import completed
 from stickslip.storage.codec import state
@@ -123,8 +123,8 @@ def verdict(found: TunedDrive) -> dict[str, Any]:
     stated = found.learned.document.get("verdict") or {}
     doubts = stated.get("doubts", [])
     changes = [
-        f"{row['parameter']} = {number(row['after'], 4)} {row['unit']}, before"
-        f" {number(row['before'], 4)}"
+        f"{row['parameter']} = {number(row['after'], 4)} {unit(row['unit'])}".rstrip()
+        + f", before {number(row['before'], 4)}"
         for row in parameters(found).rows
         if row["after"] != row["before"]
     ]
