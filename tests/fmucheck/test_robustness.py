@@ -132,6 +132,13 @@ def test_one_instance_per_process_is_respected(tmp_path):
     assert "time for all rules is over" in " ".join(f.message for f in report)
 
 
+@pytest.mark.parametrize("version", [2, 3])
+def test_an_fmu_that_allows_eight_instances_at_a_time_is_sound(tmp_path, version):
+    binary = {binary_name(version): with_defect("few-instances")}
+    path = pack(tmp_path / "reference.fmu", members(version) | binary)
+    assert list(fmucheck.check(path)) == []
+
+
 def test_findings_of_one_cause_are_one(tmp_path):
     units = members(2)["modelDescription.xml"].replace(b'unit="', b'unit="other ')
     units = units.replace(b'<Unit name="other ', b'<Unit name="')

@@ -8,6 +8,7 @@ import socket
 import subprocess
 import sys
 import threading
+import weakref
 from functools import partial
 
 import numpy as np
@@ -15,7 +16,7 @@ import pytest
 from problems import GENES, KillsItsWorker, quadratic, sometimes_fails
 
 from stickslip import ga
-from stickslip.ga.execution.evaluation import DIED
+from stickslip.ga.execution.evaluation import DIED, Packed
 from tests.kept import further
 
 GENERATIONS = 4
@@ -173,6 +174,13 @@ def test_functions_of_modules_that_cannot_be_imported_are_sent_whole(processes, 
     hidden = sys.modules["hidden"] = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(hidden)
     assert history(hidden.cost, processes).equals(history(lambda x: 3.0 * float(x.sum())))
+
+
+def test_a_process_keeps_one_cost_at_a_time():
+    costs = (KillsItsWorker(os.getpid(), limit) for limit in (1.0, 2.0))
+    first, second = (weakref.ref(Packed.of(cost).unpacked()) for cost in costs)
+    assert first() is None
+    assert second() is not None
 
 
 SCRIPT = """

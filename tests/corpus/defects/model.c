@@ -36,6 +36,7 @@ typedef struct {
 
 static const volatile char DEFECT[40] = "DEFECT=none............................";
 static State shared;
+static int instances;
 
 static int has(const char *name) {
     size_t k = 0;
@@ -112,6 +113,9 @@ static Model *make(Model given, const char *token) {
     const char *own = given.callbacks ? "{reference-2}" : "{reference-3}";
     if (has("refuses-token") || (strcmp(token, own) != 0 && !has("any-token")))
         return NULL;
+    if (has("few-instances") && instances > 7)
+        return NULL;
+    instances++;
     Model *m = calloc(1, sizeof *m);
     *m = given;
     m->name = strdup(given.name);
@@ -122,6 +126,7 @@ static Model *make(Model given, const char *token) {
 static void discard(Model *m) {
     if (!m && !has("free-null"))
         return;
+    instances--;
     if (!has("leak"))
         free((char *)m->name);
     free(m);

@@ -137,6 +137,12 @@ def test_names_and_units_are_kept(fmi, tmp_path):
     assert fmu.units["furlong"].exponents is None
 
 
+def test_the_longest_name_is_kept(tmp_path):
+    name = 255 * "y"
+    path = models.export_lti(control.ss(-1, 1, 1, 0, outputs=name), tmp_path)
+    assert cosim.Fmu(path).variables[name].causality == "output"
+
+
 def test_model_exchange_follows_python_control(tmp_path):
     """Integrated by FMPy's solver, within its tolerance."""
     system = many_modes(10)
@@ -184,6 +190,7 @@ def test_direct_gains_alone_are_feedthrough(fmi, tmp_path):
         (control.ss(-1, 1, 1, 0), {"name": "a b"}, "'a b' cannot name an FMU"),
         (control.ss(-1, 1, 1, 0), {"step": 0.0}, "step is 0.0 s"),
         (control.ss(-1, 1, 1, 0, inputs="y", outputs="y"), {}, "'y' cannot name a variable"),
+        (control.ss(-1, 1, 1, 0, inputs=256 * "u"), {}, "256 characters, expected at most 255"),
         (many_modes(130), {}, "130 states, at most 128"),
     ],
 )

@@ -125,6 +125,15 @@ def test_urdf_has_damping_friction_and_inertia(tmp_path, mujoco, name, joint):
     assert "limits of the joint are placeholders" in path.read_text()
 
 
+@pytest.mark.parametrize(
+    ("F_s", "left"), [(9.0, "F_s, v_s, sigma_0, sigma_1, delta"), (6.0, "sigma_0, sigma_1")]
+)
+def test_urdf_says_what_of_the_friction_it_leaves_out(F_s, left):
+    """Where F_s = F_c, there is no Stribeck curve."""
+    lost = robot_model(changed("stage", F_s=F_s, F_c=6.0), "urdf").lost
+    assert f"of LuGre friction, {left} are left out" in lost
+
+
 def test_the_command_writes_the_learned_values_and_warns(tmp_path, capsys):
     command = ["export", "drive", "--parameters", str(LEARNED), "--out", str(tmp_path)]
     assert main(command) == 0

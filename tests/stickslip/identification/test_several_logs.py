@@ -75,6 +75,17 @@ def test_the_load_of_a_log_is_not_the_mass_of_the_drive(candidates, logs):
     assert contradicted
 
 
+def test_a_log_in_one_direction_differs_in_friction_and_not_in_a_constant_force(candidates, logs):
+    """Its motion does not tell the two apart."""
+    command, F_c = np.abs(logs["sliding"].velocity_command), 1.3 * TRUTH["F_c"]
+    other = drives.recording("lugre", command, F_c=F_c, source="forward.csv")
+    _, (finding,) = fitted(candidates, joined(logs["sliding"], other))
+    assert finding.what == "forward.csv contradicts sliding.csv"
+    factor = float(finding.figure.partition("its friction is ")[2].split()[0])
+    assert factor == pytest.approx(1.3, rel=0.05)
+    assert "constant force" not in finding.figure
+
+
 def test_another_constant_force_of_a_log_is_taken_out_of_it(logs):
     pulled = replace(logs["sliding"], force=logs["sliding"].force + 2.0, source="pulled.csv")
     whole, (finding,) = with_log_offsets(joined(logs["sliding"], pulled))

@@ -20,9 +20,11 @@ from stickslip.evaluation.motions import MOTIONS
 from stickslip.evaluation.validation import Validation
 from stickslip.papers.lugre.loop_tuning import FRICTION, STAGES
 from stickslip.papers.lugre.page import FIGURES, TITLE, sections, write_report
+from stickslip.papers.lugre.page.curves import draw_stages
 from stickslip.papers.lugre.steps import STEPS
 from stickslip.presentation.page import Picture, render
 from stickslip.presentation.quantity import number, parameter_estimate, parameter_value, percent
+from stickslip.presentation.style import house_style
 from stickslip.tuning.drive_model import DriveModel
 
 
@@ -209,6 +211,15 @@ def test_page_tells_the_options_and_does_not_praise_what_is_not_better(made, who
     assert "Table 2, but F_c = 7.25, ripple = 1.0" in text
     # Half the error is left: more than the paper's 22 and 44 %, less than its 59 and 73 %.
     assert "in 2 of 4 measures" in text
+
+
+def test_bars_reach_from_the_best_seed_to_the_worst(whole):
+    with house_style():
+        figure = draw_stages(whole.loops)
+    for axes in figure.axes:
+        for (_, _, (bars,)), level in zip(axes.containers, FRICTION, strict=True):
+            *_, learned = bars.get_segments()
+            assert learned[:, 1] == pytest.approx([0.6, 0.7] if level == 0.7 else [0.4, 0.5])
 
 
 def test_page_opens_with_what_each_step_brings(cells):

@@ -495,6 +495,12 @@ def test_a_perfect_run_has_no_error_and_needs_no_further_force(command):
 
 
 @pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
+def test_a_command_is_sampled_to_its_end(command):
+    last = T_S * (len(command.sample(T_S)) - 1)
+    assert last == pytest.approx(command.motion.duration, abs=0.51 * T_S)
+
+
+@pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
 def test_nothing_of_it_was_tuned_on(command):
     v_cmd = command.sample(T_S)
     for one in TRAINING:

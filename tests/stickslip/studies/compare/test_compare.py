@@ -77,6 +77,7 @@ def test_results_of_one_name_are_told_apart_by_their_folders(tmp_path, capsys):
         ('{"parameters": {"F_c": 3}}', "is no result of learn, reproduce or fleet"),
         ("[]", "is no result of learn, reproduce or fleet"),
         ('{"parameters": {"F_c": {"value": "x"}}}', "is no result of learn, reproduce or fleet"),
+        ('{"parameters": {"F_c": {}}}', "is no result of learn, reproduce or fleet"),
         ("{", "learned.json: "),
     ],
 )

@@ -187,6 +187,7 @@ def test_pictures_show_units_of_the_drive(written):
     assert f"[{force}]" in texts["force"]
     assert "relative error 12.3 %" in texts["force"].replace("\u00a0", " ")
     assert ("Hysteresis" in texts["force"]) == (kind == "friction")
+    assert ("learned Stribeck curve" in texts["force"]) == (kind != "friction")
     assert ("one step of the encoder" in texts["residual"]) == (kind != "friction")
     assert all((folder / f"{name}.svg").stat().st_size < 1_000_000 for name in FIGURES)
     assert (folder / "report.html").stat().st_size < 2_000_000

@@ -1,14 +1,16 @@
 """``stickslip survey``: each outcome of a run, with an FMU that has it."""
 
 import json
+import os
 import shutil
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from stickslip.cli import main
-from stickslip.studies.survey.runs import RunOutcome, compare, verdict
+from stickslip.studies.survey.runs import RunOutcome, apart, compare, verdict
 from tests.corpus import fmu
 from tests.corpus.fmu import Variable
 
@@ -71,6 +73,15 @@ def test_a_run_has_limited_time(tmp_path, capsys):
     write(tmp_path / "a.fmu", "out of time")
     assert main(["survey", str(tmp_path), "--timeout", "3", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["counts"] == {"out of time": 1}
+
+
+def closes_all_files():
+    os.closerange(3, 1000)
+    yield time.sleep(60)
+
+
+def test_a_run_that_closes_all_files_is_ended():
+    assert apart(closes_all_files, limit=60.0).fault == "died: SIGKILL"
 
 
 def test_a_module_that_fmpy_lacks_is_named():

@@ -123,7 +123,15 @@ def test_the_command_prints_the_verdict_and_writes_tables_and_page(learned, log,
     assert main(["verify", str(out)]) == 0
 
 
-def test_a_second_learned_json_is_refused(learned, log, capsys):
-    more = ["--parameters", "other.json"]
-    assert main(["validate", str(learned()), "--log", str(log), *more]) != 0
-    assert "expected a learned.json as an argument" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("--log LOG --parameters other.json", "expected a learned.json as an argument"),
+        ("", "expected --log FILE, or --rig FILE.toml"),
+        ("--without LOG", "--without: expected --log with a log of the same drive, compensated"),
+    ],
+)
+def test_words_that_do_not_belong_together_are_refused(words, message, learned, log, capsys):
+    more = [str(log) if word == "LOG" else word for word in words.split()]
+    assert main(["validate", str(learned()), *more]) != 0
+    assert message in capsys.readouterr().err
