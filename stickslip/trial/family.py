@@ -310,7 +310,7 @@ def _slower(command: Trapezoid, share: float, T_s: float, plateau: float) -> Arr
 
 
 def _moves(length: float, command: Trapezoid, T_s: float, least: float = 0.0) -> Array:
-    """Return smooth moves forward and backward, three each, with the command's acceleration."""
+    """Return smooth moves with the command's acceleration: two forward, two back, one of each."""
     duration = max(
         math.sqrt(2.0 * math.pi * length / command.slope),
         2.0 * length / abs(command.height),
@@ -320,5 +320,5 @@ def _moves(length: float, command: Trapezoid, T_s: float, least: float = 0.0) ->
     n = math.ceil(duration / T_s)
     move = length / (n * T_s) * (1.0 - np.cos(2.0 * np.pi * np.arange(n) / n))
     rest = np.zeros(math.ceil(_REST / T_s))
-    both = np.concatenate([move, rest, -move, rest])
-    return np.concatenate([rest, *3 * [both]])
+    there, back = np.concatenate([move, rest]), np.concatenate([-move, rest])
+    return np.concatenate([rest, there, there, back, back, there, back])
