@@ -148,7 +148,7 @@ ELASTIC = "elasto_plastic"
 """Law of bristles that do not slip before they break away."""
 DAMPED = 0.5  # damping ratio of a mass on bristles that a log does not show
 RAMPS = (0.02, VALIDATION.height / VALIDATION.slope)
-"""Least and largest time of a ramp to a log's speed [s]: what the low-pass of accelerations resolves
+"""Least and largest time of a ramp to a log's speed [s]: what the low-pass of accelerations shows
 (decision 170), and that of the paper."""
 
 
