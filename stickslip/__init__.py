@@ -15,6 +15,8 @@ import re
 from importlib import import_module
 from pathlib import Path
 
+if not Path(__file__).with_name("models").exists():
+    __path__.append(str(Path(__file__).parents[1]))  # in a clone, packages lie beside this one
 _STUB = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
 _PLACE = {
     name: place for place, name in re.findall(r"^from (\S+) import (\w+)", _STUB, re.MULTILINE)

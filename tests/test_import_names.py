@@ -179,3 +179,16 @@ def test_the_wheel_holds_one_name_and_all_files(wheel):
     assert expected - names == set()
     assert f"stickslip/{COMPILED}" in names
     assert "stickslip/py.typed" in names
+
+
+def test_in_a_clone_the_packages_are_found_beside_the_folder():
+    """`pip install .` and then python in the clone, whose folder hides what was installed."""
+    lines = (
+        "import sys",
+        "sys.meta_path = [one for one in sys.meta_path if '__editable__' not in repr(one)]",
+        "from stickslip import ga, models",
+        "print(models.__file__)",
+    )
+    command = [sys.executable, "-c", "\n".join(lines)]
+    shown = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    assert Path(shown.strip()) == ROOT / "models" / "__init__.py"

@@ -64,6 +64,9 @@ class LearnedFile:
     """
 
     def __init__(self, path: Path) -> None:
+        if path.is_dir():  # of learn or tune
+            named = ("tuned.json", "learned.json")
+            path = next((path / one for one in named if (path / one).exists()), path / named[-1])
         self.path = path
         try:
             document = parse_json(read_limited(path, MOST_TEXT))

@@ -182,7 +182,7 @@ def _signals(recording: Recording, controller: Controller) -> Iterator[Finding]:
         elif not np.isfinite(signal).all():
             where = f"the first at {recording.t[np.argmin(np.isfinite(signal))]:.6g} s"
             yield Finding("error", f"{name} holds values that are not finite", where)
-        elif np.ptp(signal) == 0:
+        elif np.ptp(signal) == 0 and (signal[0] or not name.startswith("added_")):
             severity: Severity = (
                 "error" if name in ("position", "velocity", "force", "friction") else "warning"
             )

@@ -340,8 +340,8 @@ def _remedies(learned: LearnedFromRecording, loop: LoopShare | None) -> Iterator
         of, search = "", ""
         if INERTIA in loop.remedy:
             of = f" ({mass}, {damping})"
-            command = f"stickslip tune --set-range controller.m_ff=0:{2.0 * axis.m:.2g}"
-            search = f"; '{command}' searches that of the mass"
+            most = f"controller.m_ff=0:{2.0 * axis.m:.2g}"
+            search = f"; 'stickslip tune learned.json --set-range {most}' searches that of the mass"
         yield (
             f"{loop.remedy}{of} would leave {number(loop.remedied, 3)} {loop.unit} of the loop's"
             f" {number(loop.frictionless, 3)} {loop.unit}{search}"

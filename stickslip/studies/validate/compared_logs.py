@@ -152,15 +152,18 @@ def sentences(found: LogComparison) -> tuple[str, ...]:
     texts = []
     for key, what in (("velocity_rms", "velocity"), ("position_rms", "position")):
         one = found.measured.reductions[key]
-        brought = "smaller" if one.value >= 0.0 else "larger"
+        brought, sign = ("smaller", 1.0) if one.value >= 0.0 else ("larger", -1.0)
+        low, high = sorted((sign * one.low, sign * one.high))
         text = (
-            f"measured: the RMS error of {what} is {_percent(abs(one.value))} {brought} with the"
-            f" compensator, 95 % [{_percent(one.low)}, {_percent(one.high)}] smaller"
+            f"measured: the RMS error of {what} is {_percent(sign * one.value)} {brought} with the"
+            f" compensator, 95 % [{_percent(low)}, {_percent(high)}]"
         )
         if found.simulated:
             predicted = found.simulated.reductions[key].value
-            where = "inside" if one.low <= predicted <= one.high else "outside"
-            text += f"; simulated: {_percent(predicted)}, {where} the measured interval"
+            text += f"; simulated: {_percent(sign * predicted)} {brought}"
+            if not found.fault:
+                where = "inside" if one.low <= predicted <= one.high else "outside"
+                text += f", {where} the measured interval"
         texts.append(text)
     return (*texts, found.fault) if found.fault else tuple(texts)
 

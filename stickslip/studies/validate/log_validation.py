@@ -95,8 +95,14 @@ def compare_logs(compensated: LogInLoop, without: LogInLoop, learned: LearnedFil
     The simulated prediction runs the learned drive along the log without compensator, in its loop.
     Raises UsageError when their commands differ, or were not logged.
     """
-    plain = without.reading.recording
-    other, stretches = common(plain, compensated.reading.recording)
+    plain, other = without.reading.recording, compensated.reading.recording
+    had, has = (one.added_force is not None and np.any(one.added_force) for one in (plain, other))
+    if had and not has and other.added_force is not None:
+        raise UsageError(
+            f"{plain.source} has an added force, {other.source} has none;"
+            " the logs with and without the compensator look swapped"
+        )
+    other, stretches = common(plain, other)
     found = compare(plain, other, stretches)
     if without.gains is None:
         return found

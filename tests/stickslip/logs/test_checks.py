@@ -37,6 +37,12 @@ def test_nothing_can_be_learned(change, found):
     assert found in findings(replace(DRIVE, **change), "error")
 
 
+def test_a_compensator_may_be_off():
+    for force, told in ((0.0, False), (3.0, True)):
+        found = findings(replace(DRIVE, added_force=np.full(8000, force)))
+        assert ("added_force never changes" in found) == told
+
+
 def test_a_controller_without_its_command():
     found = findings(DRIVE, "error", controller=Controller("PI", K_p=1.0, K_i=1.0))
     assert "no velocity_command" in found

@@ -2,6 +2,8 @@
 
 import json
 import math
+import re
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -10,6 +12,7 @@ from scipy.integrate import cumulative_trapezoid
 
 from campaigns.sound_drives import simulator
 from stickslip.cli import main
+from stickslip.errors import UsageError
 from stickslip.evaluation.tracking import FEEDFORWARD, NONE
 from stickslip.learned.file import LearnedFile
 from stickslip.logs import Column, Description, Recording
@@ -134,12 +137,29 @@ def test_the_simulation_predicts_what_the_compensator_brought(logs):
         assert found.simulated.reductions[key].value == pytest.approx(one.value, abs=0.05)
     assert [type(run) for run in found.stretches] == [Overlap]
     assert not found.fault
+    assert "inside the measured interval" in sentences(found)[0]
     learned.document["observer"] = {}
-    assert sentences(compare_logs(*read, learned))[-1].endswith("observer that the file also has")
+    first, _, last = sentences(compare_logs(*read, learned))
+    assert last.endswith("observer that the file also has")
+    assert first.endswith(" % smaller")
+    first, *_ = sentences(compare_logs(*reversed(read), learned))
+    assert re.search(r"larger with the compensator, 95 % \[\d.* %, \d.* %\]", first)
+
+
+def test_swapped_logs_are_told(logs):
+    learned = LearnedFile(logs)
+    description = Description(columns={"force": Column(name="F_motor")})
+    read = [read_log(logs / name, description, learned) for name in ("with.csv", "without.csv")]
+    for k, added in enumerate((0.0, 1.0)):
+        recording = read[k].reading.recording
+        recording = replace(recording, added_force=np.full(len(recording.t), added))
+        read[k] = replace(read[k], reading=replace(read[k].reading, recording=recording))
+    with pytest.raises(UsageError, match=r"without.csv has an added force, .* look swapped"):
+        compare_logs(*read, learned)
 
 
 def test_the_command_labels_measured_and_simulated(logs, tmp_path, capsys):
-    arguments = ["validate", str(logs / "learned.json"), "--log", str(logs / "with.csv")]
+    arguments = ["validate", str(logs), "--log", str(logs / "with.csv")]
     arguments += ["--without", str(logs / "without.csv"), "--column", "force=F_motor"]
     assert main([*arguments, *LOOP, "--out", str(tmp_path / "out")]) == 0
     printed = capsys.readouterr().out
