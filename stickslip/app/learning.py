@@ -12,8 +12,20 @@ from nicegui import events, run, ui
 import stickslip as ss
 from stickslip.app import charts, jobs
 from stickslip.app.jobs import FAULTS, message_of
-from stickslip.app.shown import QUIET, attempt, busy, chart, follow, lines_of, refreshed, resume
-from stickslip.app.workbench import Workbench
+from stickslip.app.shown import (
+    QUIET,
+    attempt,
+    busy,
+    chart,
+    follow,
+    lines_of,
+    refreshed,
+    resume,
+    told,
+)
+from stickslip.app.workbench import LOGS, Workbench
+
+TAKEN = {*LOGS, ".toml", ".fmu", ".ssp"}  # files that may be dropped
 
 
 def number(text: Any) -> Any:
@@ -113,6 +125,10 @@ def learn_part(work: Workbench) -> None:
 
         async def uploaded(event: events.UploadEventArguments) -> None:
             path = work.folder / event.file.name
+            if Path(path.name.lower().removesuffix(".gz")).suffix not in TAKEN:
+                upload.reset()
+                told(f"{path.name}: no log; expected one of {', '.join(sorted(TAKEN))}")
+                return
             others = (path.with_stem(f"{path.stem}-{k}") for k in count(1))
             path = next(one for one in chain([path], others) if not one.exists())
             await event.file.save(path)

@@ -54,7 +54,7 @@ def tune_part(work: Workbench) -> None:
             source=path,
             cost=None if learned else cost.value,
             ranges=spans,
-            evaluations=int(evaluations.value or 10),
+            evaluations=int(evaluations.value or 300),
             seed=int(seed.value or 0),
             workers=WORKERS,
             **({"stop": stop.value} if stop.value and not learned else {}),

@@ -50,7 +50,7 @@ class Guard:
 
         async def with_cookie(message: Any) -> None:
             if message["type"] == "http.response.start" and given:
-                text = f"{self._cookie}={self._token}; Path=/; HttpOnly; SameSite=Strict"
+                text = f"{self._cookie}={self._token}; Path=/; HttpOnly; SameSite=Lax"
                 message["headers"] = [*message["headers"], (b"set-cookie", text.encode())]
             await send(message)
 

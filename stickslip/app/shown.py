@@ -151,7 +151,9 @@ def show_results(work: Workbench, name: str, job: Job | None = None) -> None:
             return
         with ui.row().classes("gap-2 items-center"):
             if (folder / DEPLOY).is_dir():
-                _download(DEPLOY, partial(packed, folder / DEPLOY, name))
+                packs = partial(packed, folder / DEPLOY, name)
+                _download(f"{DEPLOY}: all code and the steps (zip)", packs)
+                ui.link("the steps", f"/files/{name}/{DEPLOY}/steps.html", new_tab=True)
             for file in sorted(folder.glob("*.fmu")):
                 _download(file.name, partial(ui.download.file, file))
                 if learned:
@@ -192,7 +194,10 @@ def report(folder: Path) -> None:
     """Show the page of a folder of results, which cannot reach this one."""
     for page in PAGES:
         if (folder / page).exists():
-            rights = "allow-scripts allow-popups allow-downloads"
+            rights = "allow-scripts allow-downloads allow-popups"
+            rights += (
+                " allow-popups-to-escape-sandbox"  # the steps of a page, in a tab of their own
+            )
             frame = ui.element("iframe").classes("report")
             frame.props(f'src="/files/{folder.name}/{page}" sandbox="{rights}" title="Report"')
 

@@ -100,6 +100,10 @@ def test_from_a_dropped_log_to_the_downloaded_compensator(brief_server, browser,
     page.locator("input[type=file]").first.set_input_files(second)
     page.locator(".q-chip", has_text="second.csv").wait_for()
     assert (folder / log.name).read_bytes() == log.read_bytes()
+    photo = {"name": "photo.png", "mimeType": "image/png", "buffer": b"PNG"}
+    page.locator("input[type=file]").first.set_input_files(photo)
+    page.get_by_text("photo.png: no log; expected one of").wait_for()
+    assert not (folder / "photo.png").exists()
 
     # What the command line would print, for a unit that is wrong and one that contradicts.
     unit = page.get_by_label("unit", exact=True).nth(2)
@@ -146,9 +150,12 @@ def test_from_a_dropped_log_to_the_downloaded_compensator(brief_server, browser,
     with zipfile.ZipFile(download.value.path()) as fmu:
         assert "modelDescription.xml" in fmu.namelist()
     with page.expect_download() as download:
-        page.get_by_role("button", name="deploy", exact=True).click()
+        page.get_by_role("button", name="deploy: all code and the steps (zip)").click()
     with zipfile.ZipFile(download.value.path()) as deployed:
         assert {"added_force.c", "steps.html"} <= {*deployed.namelist()}
+    with page.expect_popup() as steps:
+        page.get_by_role("link", name="the steps", exact=True).click()
+    steps.value.get_by_text("Commission").first.wait_for()
     offered = {*Workbench(folder).logs().values()}
     assert offered == {"unnamed.csv", "corrected.csv", log.name, second.name}  # no table of results
     learned = json.loads((folder / "runs/learn-log-1/learned.json").read_text(encoding="utf-8"))
