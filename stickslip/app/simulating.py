@@ -12,11 +12,13 @@ import stickslip as ss
 from stickslip.app import charts
 from stickslip.app.shown import QUIET, attempt, chart, lines_of, refreshed
 from stickslip.app.workbench import MODELS, Workbench
+from stickslip.errors import UsageError
 
 SLIDERS, SIGNALS = 6, 4  # that are shown at first
 TABLES = {".csv", ".parquet"}
 REAL = ("Real", "Float64", "Float32")
 STEPS = 200  # of a slider
+ROWS = 1e6  # of a run, most; 100 times as many took 10 GB
 WIDEST = 100.0  # range of a slider over the start value
 ONE_RUN = Lock()  # at a time: Python collects the warnings of a process, not of a thread
 
@@ -75,6 +77,7 @@ class Bench:
         self.held: Any = None  # what the first run had beside its parameters
         self.busy = self.again = False
         times = info.facts["experiment"]
+        self.usual = times.get("step") or 1e-3
         with ui.row().classes("w-full items-start flex-nowrap max-md:flex-wrap gap-6"):
             with ui.column().classes("w-80 max-md:w-full gap-1 shrink-0"):
                 with ui.grid(columns=2).classes("w-full"):
@@ -147,6 +150,7 @@ class Bench:
             inputs = {n: v for n, v in self.moved.items() if self.rows[n]["causality"] == "input"}
             done = await attempt(self.simulated, table, {**self.moved}, stop=stop, step=step)
             if done is None:
+                self.plots.clear()  # of other inputs
                 break
             self.last, driven, lines = done
             if self.held != (held := (table, stop, step, inputs)):
@@ -167,6 +171,10 @@ class Bench:
         self, table: str | None, values: dict[str, float], **given: Any
     ) -> tuple[ss.Result, set[str], list[str]]:
         """Run with a table and other values; return result, what is driven, and warnings."""
+        rows = (given["stop"] or 0.0) / (given["step"] or self.usual)
+        if rows > ROWS:
+            what = f"a run of {rows:.2g} rows; the workbench takes {ROWS:.0e}"
+            raise UsageError(f"{what}; choose a larger step or an earlier stop time")
         inputs = ss.read_tables(table) if table else None
         driven = self.packed if inputs is None else {*inputs}
         given["parameters"] = {name: v for name, v in values.items() if name not in driven}

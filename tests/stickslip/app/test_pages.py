@@ -89,6 +89,25 @@ def test_what_can_be_tuned_says_what_it_takes(tmp_path):
     opened(work, look)
 
 
+def test_a_run_of_too_many_rows_is_refused(tmp_path):
+    from nicegui import ui
+
+    model = str(build_fmu("stage", tmp_path))
+
+    async def look(user):
+        user.find("Simulate").click()
+        await user.should_see("FMU or SSP")
+        every = user.find(kind=ui.select, content="FMU or SSP").elements
+        (file,) = (one for one in every if one.props["label"] == "FMU or SSP")
+        file.value = model
+        await user.should_see("Step [s]", retries=60)
+        (stop,) = (one for one in user.find("Stop time [s]").elements if one.value)
+        stop.value = 1e5
+        await user.should_see("rows; the workbench takes 1e+06; choose a larger step", retries=40)
+
+    opened(Workbench(tmp_path), look)
+
+
 @pytest.mark.parametrize("kind", ["learn", "tune", "arena"])
 def test_a_page_shows_what_was_begun_in_another(tmp_path, kind):
     work = Workbench(tmp_path)
