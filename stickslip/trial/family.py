@@ -51,6 +51,9 @@ SWEEP = ("any small move", "creep at any speed", SLOW_MOVE)
 SLOW = 2.0  # least duration of a slow move, over the rise time of the loop
 SWEPT_MOVES, SWEPT_CREEPS = 12, (0.08, 0.15, 0.3, 0.6, 1.2)
 """Number of moves in the sweep, and its speeds of creep over the Stribeck velocity."""
+TWICE, ALTERNATING = (1, 1, -1, -1, 1, -1), (1, -1, 1, -1, 1, -1)
+"""Directions of small moves: a second one the same way begins where friction holds the drive. In
+the sweep, whose limit was set so, they alternate (decision 170)."""
 LENGTHS = 4  # deflections of drives whose law has none
 LONGEST = 3.0  # the largest of them, over that which an encoder shows
 BEYOND = (0.5, 2.0)  # levels of friction that decide nothing, and are shown beside the others
@@ -187,7 +190,7 @@ def sweep(
     )
     lengths = np.geomspace(shortest, longest, SWEPT_MOVES).tolist()
     found = [
-        Command(name, _moves(length, command, T_s, least))
+        Command(name, _moves(length, command, T_s, least, ways=ALTERNATING))
         for name, least in ((SWEEP[0], 0.0), (SLOW_MOVE, SLOW * rise))
         for length in lengths
     ]
@@ -309,8 +312,15 @@ def _slower(command: Trapezoid, share: float, T_s: float, plateau: float) -> Arr
     return slower.sample(t)
 
 
-def _moves(length: float, command: Trapezoid, T_s: float, least: float = 0.0) -> Array:
-    """Return smooth moves with the command's acceleration: two forward, two back, one of each."""
+def _moves(
+    length: float,
+    command: Trapezoid,
+    T_s: float,
+    least: float = 0.0,  # duration of each [s]
+    *,
+    ways: Sequence[int] = TWICE,  # direction of each
+) -> Array:
+    """Return smooth moves with the command's acceleration."""
     duration = max(
         math.sqrt(2.0 * math.pi * length / command.slope),
         2.0 * length / abs(command.height),
@@ -320,5 +330,4 @@ def _moves(length: float, command: Trapezoid, T_s: float, least: float = 0.0) ->
     n = math.ceil(duration / T_s)
     move = length / (n * T_s) * (1.0 - np.cos(2.0 * np.pi * np.arange(n) / n))
     rest = np.zeros(math.ceil(_REST / T_s))
-    there, back = np.concatenate([move, rest]), np.concatenate([-move, rest])
-    return np.concatenate([rest, there, there, back, back, there, back])
+    return np.concatenate([rest, *(part for way in ways for part in (way * move, rest))])

@@ -146,7 +146,7 @@ def test_the_sweep_has_quick_and_slow_moves_of_all_lengths_and_creep_about_v_s()
     own = deflection(TABLE_2, VALIDATION)
     ends = 4.0 * own / 4.0, min(60.0 * own, 0.1 * travel(VALIDATION))
     for moves in (tried[:12], tried[12:24]):
-        ways = [5e-4 * np.ptp(np.cumsum(one.v_cmd)) / 2 for one in moves]
+        ways = [5e-4 * np.ptp(np.cumsum(one.v_cmd)) for one in moves]
         assert ways == pytest.approx(np.geomspace(*ends, 12), rel=1e-2)
     lasting = [5e-4 * np.max(np.diff(np.flatnonzero(one.v_cmd == 0.0))) for one in tried[:24]]
     assert lasting[0] < 0.1
