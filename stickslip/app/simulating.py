@@ -10,9 +10,8 @@ from nicegui import ui
 
 import stickslip as ss
 from stickslip.app import charts
-from stickslip.app.shown import QUIET, attempt, chart, lines_of, refreshed
+from stickslip.app.shown import QUIET, attempt, chart, lines_of, refreshed, told
 from stickslip.app.workbench import MODELS, Workbench
-from stickslip.errors import UsageError
 
 SLIDERS, SIGNALS = 6, 4  # that are shown at first
 TABLES = {".csv", ".parquet"}
@@ -148,7 +147,12 @@ class Bench:
             self.again = False
             table, stop, step = self.table.value, self.stop.value, self.step.value or None
             inputs = {n: v for n, v in self.moved.items() if self.rows[n]["causality"] == "input"}
-            done = await attempt(self.simulated, table, {**self.moved}, stop=stop, step=step)
+            rows, done = (stop or 0.0) / (step or self.usual), None
+            if rows > ROWS:
+                what = f"a run of {rows:.2g} rows; the workbench takes {ROWS:.0e}"
+                told(f"{what}; choose a larger step or an earlier stop time")
+            else:
+                done = await attempt(self.simulated, table, {**self.moved}, stop=stop, step=step)
             if done is None:
                 self.plots.clear()  # of other inputs
                 break
@@ -171,10 +175,6 @@ class Bench:
         self, table: str | None, values: dict[str, float], **given: Any
     ) -> tuple[ss.Result, set[str], list[str]]:
         """Run with a table and other values; return result, what is driven, and warnings."""
-        rows = (given["stop"] or 0.0) / (given["step"] or self.usual)
-        if rows > ROWS:
-            what = f"a run of {rows:.2g} rows; the workbench takes {ROWS:.0e}"
-            raise UsageError(f"{what}; choose a larger step or an earlier stop time")
         inputs = ss.read_tables(table) if table else None
         driven = self.packed if inputs is None else {*inputs}
         given["parameters"] = {name: v for name, v in values.items() if name not in driven}

@@ -62,6 +62,9 @@ from stickslip.trial.candidates import law_of
 from stickslip.trial.compensator_trial import loops_of_log, try_compensator
 from stickslip.trial.observed import BOTH, FEEDFORWARD
 
+GENTLE = 0.1
+"""Least time of a ramp [s] where no command was logged: in quicker ones the loop's lag hides what
+friction does."""
 SETTLING = 0.02
 """Share of a log that does not count where it begins in motion: the compensator has to start."""
 
@@ -127,6 +130,8 @@ def with_tracking(reading: Reading, learned: LearnedFromRecording) -> LearnedFro
     command, has_command = "the log's own command", True
     if recording.velocity_command is None and recording.position_command is None:
         trapezoid, has_command = learned.trial.command, False
+        slope = min(trapezoid.slope, trapezoid.height / GENTLE)
+        trapezoid = replace(trapezoid, slope=slope)
         command = "a trapezoid at the log's speed, as no command was logged"
         n = round((trapezoid.corners()[-1] + trapezoid.begin) / loop.T_s) + 1
         t = np.arange(n) * loop.T_s
