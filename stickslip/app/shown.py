@@ -195,9 +195,7 @@ def report(folder: Path) -> None:
     for page in PAGES:
         if (folder / page).exists():
             rights = "allow-scripts allow-downloads allow-popups"
-            rights += (
-                " allow-popups-to-escape-sandbox"  # the steps of a page, in a tab of their own
-            )
+            rights += " allow-popups-to-escape-sandbox"  # the steps, in a tab of their own
             frame = ui.element("iframe").classes("report")
             frame.props(f'src="/files/{folder.name}/{page}" sandbox="{rights}" title="Report"')
 
