@@ -99,7 +99,7 @@ def draw_motions(reproduction: Reproduction) -> Figure:
     shown = (
         ("a", REVERSALS, "0.5 mm/s", "Slow reversals"),
         ("b", CREEP, "0.3 mm/s", "Creep"),
-        ("c", MOVES, "20 um", "Micrometre moves"),
+        ("c", MOVES, "20 um", "Small moves"),
     )
     for axes, (letter, motion, region, title) in zip(panels, shown, strict=True):
         runs = reproduction.motions.runs[motion.name]
