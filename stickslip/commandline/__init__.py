@@ -9,6 +9,7 @@ import argparse
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,10 +25,17 @@ def add_options(
     parser: argparse._ActionsContainer, texts: Mapping[str, str], **settings: Any
 ) -> None:
     """Declare options that share their settings; ``texts`` is ``--name METAVAR`` -> help."""
+    if choices := settings.get("choices"):
+        settings.setdefault("type", partial(_in_any_case, choices))
     for option, text in texts.items():
         name, _, metavar = option.partition(" ")
         shown: dict[str, Any] = {"metavar": metavar} if metavar else {}
         parser.add_argument(name, help=text, **shown, **settings)
+
+
+def _in_any_case(choices: Iterable[str], text: str) -> str:
+    """Return the choice that a text is but for upper and lower case, or the text."""
+    return next((one for one in choices if one.casefold() == text.casefold()), text)
 
 
 def add_rare_group(parser: argparse.ArgumentParser, title: str) -> argparse._ArgumentGroup:

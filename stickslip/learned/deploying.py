@@ -17,6 +17,7 @@ from stickslip.presentation.page import Section, write_page
 from stickslip.presentation.quantity import number
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import VelocityLoop
+from stickslip.thresholds import harm
 
 FOLDER, PAGE = "deploy", "steps.html"
 PARTS = ("compensator", "position_force", "observer")  # in the order of their calls
@@ -99,6 +100,7 @@ def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
         verdict=verdict,
         warnings=dict.fromkeys([*verdict["refused"], *loop_doubts(learned)]),
         force_limit=learned.datasheet.peak_force if "datasheet" in learned.document else None,
+        reserve=float(harm.LIMIT),
         gains_before=_gains(tuning, "before"),
         steps=list(_steps(names, [*signals], verdict, tuning)),
     )

@@ -178,6 +178,9 @@ def signal_of(table: LogTable, channel: Channel) -> Array:
     return signal
 
 
+UNSTATED = "columns that state no unit"
+
+
 def assumed_units(channels: Sequence[Channel], motion: Motion) -> list[Finding]:
     """Return the note on columns without a stated unit."""
     assumed = [
@@ -186,7 +189,7 @@ def assumed_units(channels: Sequence[Channel], motion: Motion) -> list[Finding]:
         if one.unit is None and one.scale is None
     ]
     figure, advice = "taken for " + ", ".join(assumed), "<unit ROLE=UNIT> states another"
-    return [Finding("note", "columns that state no unit", figure, advice)] if assumed else []
+    return [Finding("note", UNSTATED, figure, advice)] if assumed else []
 
 
 def _points_in_time(table: LogTable, name: str) -> Array:

@@ -62,14 +62,16 @@ def saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
         if force is None:
             continue
         most = float(np.max(np.abs(force)))
-        for at in dict.fromkeys((limit, None)):  # the limit may be lower than stated
+        exceeds = limit is not None and most > log_force.EXCEEDED * limit
+        # the limit may be lower than stated; one that is exceeded limits nothing
+        for at in (None,) if exceeds else dict.fromkeys((limit, None)):
             marked = _held_back(recording, name, force, at)
             if (share := float(np.mean(marked))) > (0.0 if at else log_force.SELDOM):
                 advice = "there it does not follow its command; log a gentler motion"
                 what = f"{name} saturates at {float(np.max(np.abs(force[marked]))):.4g}"
                 yield Finding("warning", what, f"{share:.2%}", advice, spoils="intervals")
                 break
-        if limit and most > log_force.EXCEEDED * limit:
+        if exceeds:
             figure = f"{most:.4g} against {limit:.4g}"
             advice = "check unit and scale, and that it was logged behind the limit"
             what = f"{name} exceeds the force limit"

@@ -342,9 +342,7 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
     if controller.P_x or controller.I_x:
         foreign = "its controller has gains P_x or I_x of the position, which the trial has not"
     elif check is not None and check.error > control_match.EXACT:
-        foreign = (
-            f"the described controller differs from the logged force by {100.0 * check.error:.2g} %"
-        )
+        foreign = f"the described controller differs from the logged force by {check.difference}"
     elif controller.K_p:
         gains = {name: getattr(controller, name) for name in ("tau_f", "K_p", "K_i", "K_x")}
         share = controller.velocity_feedforward

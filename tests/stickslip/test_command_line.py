@@ -474,3 +474,9 @@ def test_a_file_that_is_not_there_is_called_missing_and_nothing_else(words, tmp_
     assert main(words.replace("FILE", str(tmp_path / "absent")).split()) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert re.fullmatch(r"stickslip: \S*absent\.\w+: No such file or directory", line), line
+
+
+def test_choices_are_taken_in_any_case(capsys, tmp_path):
+    (log := tmp_path / "log.csv").write_text("time,position\n0,0\n1,1\n")
+    assert main(["learn", str(log), "--check", "--controller", "pi"]) != 0
+    assert "controller PI: expected gains" in capsys.readouterr().err

@@ -91,6 +91,11 @@ class ControllerCheck:
     factor: float = 1.0  # of the logged force over the commanded one, where only it differs; else 1
     source: str = ""  # the log of that factor, if there are several
 
+    @property
+    def difference(self) -> str:
+        """The error in per cent, without an exponent."""
+        return f"{float(f'{100.0 * self.error:.2g}'):g} %"
+
 
 def check_controllers(
     fmus: Path, recording: Recording, gains: Mapping[str, float]

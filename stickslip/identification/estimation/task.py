@@ -112,12 +112,12 @@ def choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:
         return loop, "the controller is known and no force was logged"
     if check.error > control_match.EXACT:
         return inverse, (
-            f"the controller given commands a force that differs by {100 * check.error:.2g} % from "
+            f"the controller given commands a force that differs by {check.difference} from "
             "the one logged, so the loop is not known well enough to run it again"
         )
     form = f", its {check.form}" if check.form else ""
     running = " and was running when the log began" if is_running(check.gains) else ""
     return loop, (
         f"the controller is known{form}{running}, and commands the logged force within "
-        f"{100 * check.error:.2g} %"
+        f"{check.difference}"
     )

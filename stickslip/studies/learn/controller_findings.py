@@ -32,7 +32,7 @@ def check_description(reading: Reading, findings: Iterable[Finding]) -> tuple[Fi
     check = check_reading(reading)
     if not (check and check.error > control_match.NEAR):
         return found
-    differs = f"it differs by {100 * check.error:.2g} %"
+    differs = f"it differs by {check.difference}"
     given = reading.recording.position_command is not None
     path = "the position command, of which half a sample counts, " if given else ""
     advice = f"check {path}gains, tau_f, feedforward, the unit of the force and its limit"

@@ -16,12 +16,13 @@ from textwrap import wrap
 import numpy as np
 from matplotlib.figure import Figure
 
+from stickslip.catalog.parameters import unit_of
 from stickslip.compensators.entrants import parts
 from stickslip.errors import with_settings
 from stickslip.evaluation.tracking import FEEDFORWARD as WITH_FEEDFORWARD
 from stickslip.evaluation.tracking import FRICTIONLESS, INERTIA, NONE, Tracking
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
-from stickslip.logs import Motion
+from stickslip.logs import UNSTATED, Motion
 from stickslip.models.export.units import motion_unit
 from stickslip.presentation import style
 from stickslip.presentation.page import Section
@@ -370,11 +371,16 @@ def _checks(learned: LearnedFromRecording, files: Sequence[str]) -> Iterator[str
 
 def _doubts(learned: LearnedFromRecording) -> Iterator[str]:
     estimation = learned.estimation
+    check = estimation.controller  # whose gains confirm the units
     found = [
-        ": ".join(filter(None, (one.what, one.figure.split(";")[0])))
-        for one in estimation.faults
-        if one.what not in learned.doubt
+        f"{one.what}: {one.figure}, {_weighing(learned)}; {one.advice}"
+        for one in learned.findings
+        if one.what == UNSTATED and not (check and check.error <= control_match.NEAR)
     ]
+    for one in estimation.faults:
+        if one.what not in learned.doubt:
+            told = ": ".join(filter(None, (one.what, one.figure.split(";")[0])))
+            found.append(f"{told}; {one.advice}" if one.spoils == "values" else told)
     hidden = [n for n, one in estimation.known.items() if one.identifiability == NOT_IDENTIFIABLE]
     if hidden:
         show = f"stickslip plan --show {' '.join(hidden)}"
@@ -389,12 +395,25 @@ def _doubts(learned: LearnedFromRecording) -> Iterator[str]:
     yield from map(with_settings, found)
 
 
+def _weighing(learned: LearnedFromRecording) -> str:
+    """Return which mass or friction assumed units give, by which a wrong one is seen."""
+    known, rotary = learned.estimation.known, learned.estimation.recording.rotary
+    shown = [
+        f"{name} = {number(known[name].value, 3)} {unit_of(name, rotary=rotary)}"
+        for name in ("m", "F_c")
+        if name in known
+    ]
+    return f"which gives {' and '.join(shown)}".replace(SPACE, " ")
+
+
 def lines(verdict: Verdict, folder: Path | None, width: int | None) -> list[str]:
     """Return the verdict as lines of a terminal of a width, the last doubts left out if long."""
     more = f"{folder}/report.html shows all; " if folder else "--out DIR writes it and a page; "
     if folder and verdict.files:
         more += f"{folder}/deploy/steps.html tells how to deploy; "
     rows = [*verdict.rows(f"{folder}/" if folder else ""), ("more", f"{more}-v prints the tables")]
+    if not folder:
+        rows = [("would write" if label == "use" else label, text) for label, text in rows]
     shown = [f"{verdict.source}: {verdict.headline}"]
     shown = wrap(shown[0], width) if width else shown
     for label, text in rows:

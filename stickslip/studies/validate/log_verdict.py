@@ -57,7 +57,7 @@ def verdict(found: LogPrediction, values: Values) -> tuple[str, ...]:
         )
     if check is not None and check.error > control_match.NEAR:
         reasons.append(
-            f"the controller differs from the logged force by {100.0 * check.error:.2g} %: its "
+            f"the controller differs from the logged force by {check.difference}: its "
             "gains are others, or a compensator was running"
         )
     return (first, *reasons)

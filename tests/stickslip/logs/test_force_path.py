@@ -191,6 +191,15 @@ def test_a_limit_is_found_where_the_error_of_the_motion_grows(limits):
         assert found == said(noisy, force_limit=60.0)  # the limit is lower than stated
 
 
+def test_a_limit_that_is_exceeded_limits_nothing():
+    """Such as one in N beside a force that is logged in mN."""
+    log = run(SWEEP, b=90.0)
+    mN = replace(log, force=1e3 * log.force, force_command=1e3 * log.force_command)
+    found = [one.what for one in check_recording(mN, force_limit=13.0)]
+    assert "force exceeds the force limit" in found
+    assert not [one for one in found if "saturates" in one]
+
+
 def test_a_limit_is_found_where_the_force_command_is_larger():
     log = run(SWEEP, b=90.0, limits=(-11.0, 13.0))
     told = said(log).split("saturates at 13: ")[1]

@@ -7,6 +7,7 @@ import shlex
 import zipfile
 from dataclasses import replace
 from html import unescape
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -23,7 +24,7 @@ from stickslip.models.firmware import write_compensator
 from stickslip.presentation.quantity import number
 from stickslip.servo.axis import ControlError
 from stickslip.studies.learn.folder import write_learned
-from stickslip.studies.learn.verdict import LoopShare, _headline
+from stickslip.studies.learn.verdict import LoopShare, _headline, lines, verdict_of
 from stickslip.trial.benefit import Benefit, Variant
 from stickslip.trial.candidates import Row
 from tests.kept import further
@@ -249,3 +250,21 @@ def test_friction_that_a_log_does_not_show_is_not_said_to_be_no_problem(shown, b
     sizes = {"measured": 1.0, "without": 1.0, "compensated": None, "frictionless": 0.99}
     loop = LoopShare("velocity", "mm/s", "it", **sizes, remedy="", remedied=0.1)
     assert _headline(learned, (), loop, force=False).startswith(begin)
+
+
+def test_the_verdict_tells_what_assumed_units_give_and_how_to_correct_a_force(sound):
+    """Without units and gains nothing else shows that a force is in another unit."""
+    scale = Finding("warning", "the force is out of scale", "9 times", "give F", spoils="values")
+    faulty = replace(sound.estimation, faults=(scale,))
+    faulty = replace(sound, implausible="the loop is another one", estimation=faulty)
+    first, *others = verdict_of(faulty).doubts
+    m = number(sound.estimation.known["m"].value, 3)
+    assert f", which gives m = {m} kg and F_c = " in first
+    assert others[0] == "the force is out of scale: 9 times; give F"
+    confirmed = replace(sound.estimation, controller=SimpleNamespace(error=0.0))
+    assert "state no unit" not in "".join(verdict_of(replace(sound, estimation=confirmed)).doubts)
+
+
+def test_without_a_folder_the_verdict_tells_what_would_be_written(sound):
+    assert lines(verdict_of(sound), None, None)[1].startswith("would write compensator.fmu")
+    assert lines(verdict_of(sound), Path("out"), None)[1].startswith("use         out/comp")
