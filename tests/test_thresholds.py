@@ -454,7 +454,7 @@ def contradicts(gain, share=1.0, own=0.0):
         _squares=lambda *_: next(squares),
         _without=lambda *_: {},
         _rows=lambda *_: [0],
-        _differences=lambda *_: ([], own**2 * share**2 / (gain - 1.0)),
+        _differences=lambda *_: (["its friction"], own**2 * share**2 / (gain - 1.0)),
     ):
         return bool(list(agreement.contradictions(inverse, namespace(parameters={}))))
 
@@ -1048,7 +1048,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "agreement.CONTRADICTS": (lambda: contradicts(3.0), True, False),
     "agreement.MATTERS": (lambda: contradicts(3.0, share=0.03), True, False),
     "agreement.EXPLAINED": (lambda: contradicts(3.0, own=5.0), False, True),
-    "agreement.DIFFERS": (lambda: differs(0.07), True, False),
+    "agreement.DIFFERS": (lambda: differs(0.2), True, False),
     "agreement.CERTAIN": (lambda: is_own_offset(6.0), True, False),
     "log_content.MOST": (lambda: is_cut(150_000, T_s=1e-3), True, False),
     "log_content.TRAVEL": (lambda: is_short_travel(150), False, True),

@@ -115,6 +115,7 @@ class Finding:
     # wrong
     spoils: Literal["", "intervals", "values"] = ""
     hides: tuple[str, ...] = ()  # parameters that cannot be identified therefore
+    log: str = ""  # of several, the one that the others contradict
 
     @classmethod
     def either(cls, fine: bool, words: tuple[str, str], figure: str, advice: str) -> "Finding":

@@ -321,8 +321,12 @@ class Benefit:
 
 
 def geometric_mean(rows: Sequence[TrialError]) -> float:
-    """Return the geometric mean of the ratios of the errors."""
-    return float(np.exp(np.mean(np.log([max(row.ratio, _LEAST) for row in rows]))))
+    """Return the geometric mean of the ratios of the errors.
+
+    Each motion counts once, however many lengths of its moves and speeds were tried.
+    """
+    motions = ([max(row.ratio, _LEAST) for row in one.rows] for one in by_motion(rows))
+    return float(np.exp(np.mean([np.mean(np.log(ratios)) for ratios in motions])))
 
 
 def is_acceptable(rows: Rows) -> bool:

@@ -17,6 +17,7 @@ from stickslip.logs import Finding
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import agreement, log_content
 
+_RISE = "rise towards rest"  # which others may not show: it tells no drives apart
 MOST = 6  # logs that are left out in turn: those that are explained worst
 
 
@@ -24,14 +25,14 @@ def contradictions(inverse: InverseModel, found: Fit) -> Iterator[Finding]:
     """Yield the logs that are not of the drive of the others, and what of it differs by how much.
 
     Each log is left out of the fit in turn. It contradicts the others where these are explained
-    much better without it, by more than a small share of their force, and where another mass,
-    friction or constant force explains it. A law that fails in one kind of motion is no
+    much better without it, by more than a small share of their force, and where clearly another
+    mass, friction or constant force explains it. A law that fails in one kind of motion is no
     contradiction.
     """
     logs = inverse.recording.segments
     whole = _squares(inverse, found.parameters)
     left = list(range(len(logs)))
-    while len(left) > 1:
+    while 2 * (len(left) - 1) >= len(logs):  # fewer are not the drive against the rest
         gains = []
         for k in sorted(left, key=lambda k: -whole[k])[:MOST]:
             others = [j for j in left if j != k]
@@ -46,6 +47,8 @@ def contradictions(inverse: InverseModel, found: Fit) -> Iterator[Finding]:
         force = inverse.measured(values)[_rows(inverse, left)]
         before = sum(whole[j] for j in left) / float(force @ force)
         differs, rest = _differences(inverse, values, k)
+        if not differs and rest:
+            return
         if before * (1.0 - 1.0 / gain) < agreement.MATTERS**2:
             return
         if rest > agreement.EXPLAINED**2 * before / gain:
@@ -61,6 +64,7 @@ def contradictions(inverse: InverseModel, found: Fit) -> Iterator[Finding]:
             figure,
             "learn without it, or correct its force, units, load or gains",
             spoils="values",
+            log=logs[k].source,
         )
 
 
@@ -89,16 +93,21 @@ def _without(inverse: InverseModel, found: Fit, others: list[int]) -> Values:
 def _differences(inverse: InverseModel, values: Values, k: int) -> tuple[list[str], float]:
     """Return how mass, friction and constant force of a log differ, and what its own ones leave.
 
-    That is a mean square over that of the force; 0 for a log of moves below break-away, which
-    shows none of them.
+    The rise of friction towards rest is free. What is left is a mean square over that of the force;
+    0 for a log of moves below break-away, which shows none of them.
     """
     used = _rows(inverse, [k])
     used = used[inverse.moves[used]]
     if len(used) < log_content.SLIDING:
         return [], 0.0
-    friction = smoothed(inverse.friction(values), inverse.T_s, inverse.cutoff)
+    level = {**values, **({"F_s": values["F_c"]} if "F_s" in values else {})}
+    friction, even = (
+        smoothed(inverse.friction(one), inverse.T_s, inverse.cutoff) for one in (values, level)
+    )
     rigid = inverse.linear * [values["m"], values["b"], values["F_c"]]
-    columns: dict[str, Array] = {"friction": friction + rigid[:, 1]}
+    columns: dict[str, Array] = {"friction": even + rigid[:, 1]}
+    if np.any((rise := friction - even)[used]):
+        columns[_RISE] = rise
     force = inverse.measured(values)
     if np.std(rigid[used, 0]) > log_content.INERTIAL * np.std(force[used]):
         columns["mass"] = rigid[:, 0]
@@ -117,6 +126,6 @@ def _differences(inverse: InverseModel, values: Values, k: int) -> tuple[list[st
             unit = "F_c more"
         else:
             apart, shown, unit = factor - 1.0, factor, "times as large"
-        if abs(apart) > max(agreement.DIFFERS, 2.0 * error):
+        if name != _RISE and abs(apart) > max(agreement.DIFFERS, 2.0 * error):
             found.append(f"{name} is {shown:.3g} {unit} (+-{2.0 * error:.2g})")
     return found, float(rest @ rest) / float(force[used] @ force[used])

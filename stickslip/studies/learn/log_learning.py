@@ -272,18 +272,17 @@ def learn(
             hashes = {log.path.name: digest(log.path) for log in logs if not log.validates}
             others = [log for log in logs if log.validates]
             others += _logs(validate, description or Description())
-        recording = joined(checked)
-        findings = (*left_out, *_of_all(checked, recording))
-        progress.findings(findings)
-        reading, controllers = checked[0].reading, [one.gains for one in checked]
-        learned = learn_recording(
-            recording,
-            controllers[0] if all(controllers) else None,
-            partial(loops_of_log, reading),
-            findings,
-            settings=chosen,
-            progress=progress,
-        )
+        learned = _learn_together(checked, left_out, chosen, progress)
+        contradicting = {one.log: one for one in learned.estimation.faults if one.log}
+        kept = [one for one in checked if one.reading.recording.source not in contradicting]
+        if contradicting and len(kept) >= max(2.0, 0.5 * len(checked)):
+            left_out += tuple(
+                Finding("warning", f"{one.log} is left out: {one.what}", one.figure, one.advice)
+                for one in contradicting.values()
+            )
+            checked = kept
+            learned = _learn_together(checked, left_out, chosen, progress)
+        reading, recording = checked[0].reading, joined(checked)
         held_out = [_held_out(log, learned.estimation.position_force) for log in others]
         predicted = predicted_logs(learned.estimation, held_out, chosen.workers)
         learned = replace(learned, predicted=tuple(predicted), hashes=hashes)
@@ -294,6 +293,26 @@ def learn(
         with counted_steps():
             learned = with_other_gains(tried, chosen)
         return with_tracking(reading, learned)
+
+
+def _learn_together(
+    checked: Sequence[Checked],
+    left_out: tuple[Finding, ...],
+    settings: LearnSettings,
+    progress: Progress,
+) -> LearnedFromRecording:
+    """Return what logs show together, without a trial of compensators."""
+    recording, controllers = joined(checked), [one.gains for one in checked]
+    findings = (*left_out, *_of_all(checked, recording))
+    progress.findings(findings)
+    return learn_recording(
+        recording,
+        controllers[0] if all(controllers) else None,
+        partial(loops_of_log, checked[0].reading),
+        findings,
+        settings=settings,
+        progress=progress,
+    )
 
 
 def _logs(

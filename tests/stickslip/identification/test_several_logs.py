@@ -1,6 +1,7 @@
 """Several logs of one drive: what they have in common, and what one of them contradicts."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,12 +9,14 @@ import pytest
 import stickslip as ss
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop
+from stickslip.identification.estimation import agreement
 from stickslip.identification.estimation.agreement import contradictions
 from stickslip.identification.fitting.search import best_fit
 from stickslip.identification.fitting.start import begin
 from stickslip.identification.sliding.log_offsets import with_log_offsets
 from stickslip.logs.joined import join
 from stickslip.planning import SET, Limits, plan
+from stickslip.servo.measurement import smoothed
 from tests.kept import further
 from tests.stickslip.identification import drives
 
@@ -75,6 +78,41 @@ def test_the_load_of_a_log_is_not_the_mass_of_the_drive(candidates, logs):
     assert contradicted
 
 
+def test_a_rise_towards_rest_that_others_do_not_show_is_no_other_friction():
+    """Creep beside logs that are too fast for it: what they tell of it is extrapolated."""
+    t, T_s = np.arange(4000), 1e-3
+    v = np.sign(np.sin(1e-2 * t)) * (1.0 + 0.8 * np.sin(7e-3 * t))
+
+    def friction(values):
+        rise = values["F_s"] - values["F_c"]
+        return np.sign(v) * (values["F_c"] + rise * np.exp(-np.abs(v) / 3.0))
+
+    values = {"m": 1.0, "b": 0.0, "F_c": 1.0, "F_s": 2.0, "F_0": 0.0}
+    inverse = SimpleNamespace(
+        t=t,
+        T_s=T_s,
+        used=slice(0, 4000),
+        logs=[slice(0, 4000)],
+        cutoff=200.0,
+        moves=np.full(4000, True),
+        motion=SimpleNamespace(v=v),
+        linear=np.column_stack([0.0 * v, 0.0 * v, np.ones_like(v)]),
+        friction=friction,
+    )
+    for k, told in (({"F_s": 1.3}, False), ({"F_c": 1.4, "F_s": 2.8}, True)):
+        inverse.measured = lambda _, k=k: smoothed(friction({**values, **k}), T_s, 200.0)
+        differs, _ = agreement._differences(inverse, values, 0)
+        assert any("friction" in one for one in differs) == told
+
+
+def test_a_log_that_nothing_of_its_own_explains_contradicts_none(candidates, logs, monkeypatch):
+    wrong = replace(logs["sliding"], force=1.5 * logs["sliding"].force, source="wrong.csv")
+    whole = joined(logs["sliding"], wrong)
+    assert fitted(candidates, whole)[1]
+    monkeypatch.setattr(agreement, "_differences", lambda *_: ([], 1e-3))
+    assert not fitted(candidates, whole)[1]
+
+
 def test_a_log_in_one_direction_differs_in_friction_and_not_in_a_constant_force(candidates, logs):
     """Its motion does not tell the two apart."""
     command, F_c = np.abs(logs["sliding"].velocity_command), 1.3 * TRUTH["F_c"]
@@ -111,10 +149,12 @@ def test_each_log_runs_with_its_own_gains_and_load(candidates):
 
 
 @pytest.mark.thorough
-def test_a_set_is_learned_from_its_table(tmp_path):
+def test_a_set_is_learned_from_its_table_without_the_log_that_contradicts(tmp_path):
     rows = ["log,kind,use"]
-    for kind in SET:
-        log = recorded(kind, duration=5.0)
+    recordings = {kind: recorded(kind, duration=5.0) for kind in SET}
+    sliding = recordings["sliding"]
+    recordings["wrong"] = replace(sliding, force=1.4 * sliding.force)
+    for kind, log in recordings.items():
         recorded_log = {"t": log.t, "position": log.position, "v_cmd": log.velocity_command}
         drives.write_log(tmp_path / f"{kind}.csv", recorded_log, force=log.force)
         rows.append(f"{kind}.csv,{kind},{'validate' if kind == 'presliding' else 'learn'}")
@@ -127,4 +167,6 @@ def test_a_set_is_learned_from_its_table(tmp_path):
     own = next(one for one in learned.predicted if one.law == learned.estimation.law.title)
     static = next(one for one in learned.predicted if one.law == "Coulomb-Stribeck with F_s = F_c")
     assert own.source == "presliding.csv"
+    left_out = "wrong.csv is left out: wrong.csv contradicts the other 2 logs"
+    assert left_out in [one.what for one in learned.findings]
     assert own.error < static.error

@@ -326,6 +326,15 @@ def test_three_quarters_of_the_drives_of_a_level_decide_and_none_may_be_much_wor
     assert motion(0.5, np.inf).span == (0.5, np.inf)
 
 
+def test_each_motion_counts_once_in_the_mean():
+    """A drive that sticks in moves of many lengths does not hide what helps where it slides."""
+    rows = [TrialError(0.04, "one", 1.0, 0.25, "fast")]
+    rows += [TrialError(0.001 * k, "one", 1.0, 1.0, "short moves") for k in range(1, 20)]
+    assert Benefit(1.0, (*rows,), (*rows,)).mean_ratio == pytest.approx(0.5)
+    rows.append(TrialError(0.02, "one", 1.0, 1.4, "short moves"))  # by less than it gains
+    assert Benefit(1.0, (*rows,), (*rows,)).acceptable
+
+
 def test_the_best_is_acceptable_and_has_the_smallest_errors():
     def benefit(*ratios):
         rows = tuple(TrialError(0.04, "one", 1.0, ratio) for ratio in ratios)
