@@ -14,7 +14,7 @@ from nicegui import Client, run, ui
 
 from stickslip.app import charts, jobs
 from stickslip.app.jobs import FAULTS, Job, message_of
-from stickslip.app.workbench import LEARNED, PAGES, Workbench
+from stickslip.app.workbench import LEARNED, PAGES, Workbench, titled
 
 EVERY = 0.4  # time between two looks at a job [s]
 EMPTY = 2.0  # time between two looks for what an empty field could have [s]
@@ -141,7 +141,7 @@ def show_results(work: Workbench, name: str, job: Job | None = None) -> None:
     """Show a folder of results: what was found, files to download, and the page."""
     folder = work.runs / name
     with ui.card().classes("w-full"):
-        ui.label(name).classes("font-bold")
+        ui.label(titled(folder)).classes("font-bold")
         if job is not None and job.error:
             lines_of([f"error: {job.error}"])
         learned = next((folder / one for one in LEARNED if (folder / one).exists()), None)

@@ -1,6 +1,8 @@
 """The workbench without a browser: what its pages show."""
 
 import asyncio
+import json
+import time
 from functools import partial
 from types import SimpleNamespace
 
@@ -26,6 +28,10 @@ def opened(work, look):
             await look(user)
 
     asyncio.run(see())
+
+
+def endless(*_, **__):
+    time.sleep(60.0)
 
 
 def test_progress_is_what_a_terminal_shows():
@@ -127,3 +133,40 @@ def test_a_page_shows_what_was_begun_in_another(tmp_path, kind):
     opened(work, look)
     if kind == "learn":  # that tab is open when nothing runs
         opened(work, lambda user: user.should_see("no friction is seen", retries=20))
+
+
+def test_a_run_that_ended_with_its_server_is_told(tmp_path):
+    work, marks = Workbench(tmp_path), partial((tmp_path / "runs").glob, "*.running")
+    stopped = work.begin("learn", ["other.csv"], endless)
+    stopped.stop()
+    while not stopped.ended:
+        time.sleep(0.05)
+    assert not [*marks()]
+    ended = work.begin("learn", ["axis.csv"], endless)
+    work.close()
+    while not ended.ended:
+        time.sleep(0.05)
+    later = Workbench(tmp_path)
+    assert not [*marks()]
+
+    async def look(user):
+        await user.should_see("the run ended with its server", retries=20)
+        await user.should_see(f"axis.csv, since {ended.since[:10]}")
+        await user.should_not_see("other.csv, since")
+
+    opened(later, look)
+
+
+@pytest.mark.parametrize("gains", ["K_p = 1666 N.s/m, K_i = 1.3e+05 N/m", "controller not known"])
+def test_results_are_told_apart_by_date_log_and_gains(tmp_path, gains):
+    work = Workbench(tmp_path)
+    (work.runs / "learn-axis-1").mkdir(parents=True)
+    values = {"m": (8.0, "kg"), "K_p": (1666.1, "N.s/m"), "K_i": (1.3e5, "N/m"), "m_ff": (0, "kg")}
+    loop = {name: {"value": value, "unit": unit} for name, (value, unit) in values.items()}
+    learned = {"sha256": {"axis.csv": ""}} | ({"loop": loop} if "=" in gains else {})
+    (work.runs / "learn-axis-1/learned.json").write_text(json.dumps(learned))
+    name = f"learn-axis-1 · {time.strftime('%Y-%m-%d')} "
+    assert work.results()["learn-axis-1"].startswith(name)
+    assert work.results()["learn-axis-1"].endswith(f" · axis.csv · {gains}")
+    work.jobs["learn-axis-1"] = Job("learn-axis-1", ended=True, version=1)
+    opened(work, lambda user: user.should_see(f"axis.csv · {gains}", retries=20))
