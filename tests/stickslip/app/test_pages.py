@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import shutil
 import time
 from functools import partial
 from types import SimpleNamespace
@@ -170,3 +171,45 @@ def test_results_are_told_apart_by_date_log_and_gains(tmp_path, gains):
     assert work.results()["learn-axis-1"].endswith(f" · axis.csv · {gains}")
     work.jobs["learn-axis-1"] = Job("learn-axis-1", ended=True, version=1)
     opened(work, lambda user: user.should_see(f"axis.csv · {gains}", retries=20))
+
+
+def test_messages_name_what_the_page_shows():
+    from stickslip.app.learning import LogForm
+    from stickslip.app.shown import worded
+
+    assert worded("unit 'a' of position_command") == "unit 'a' of position command"
+    assert worded("force_command = force_command") == "force command = force_command"
+    assert worded("column 'sample_period'") == "column 'sample_period'"
+    assert worded("UNIT in the field 'unit' of 'ROLE'") == "UNIT in the field 'unit' beside it"
+    searched = worded("'stickslip tune learned.json --set-range controller.m_ff=0:11' searches it")
+    assert searched == "Tune with the Ranges 'controller.m_ff=0:11' searches it"
+    assert all(f"{name} [" in LogForm.UNITS for name in ss.Description.GAINS)
+
+
+def test_a_page_that_is_loaded_again_has_what_was_entered(tmp_path, log):
+    from nicegui import ui
+
+    shutil.copy(log, tmp_path)
+    (tmp_path / "own.toml").write_text('[controller]\nkind = "P"\nK_p = 2.0\n')
+
+    def field(user, label):
+        every = user.find(content=label, kind=(ui.select, ui.input)).elements
+        return min((one for one in every if one.props["label"] == label), key=lambda one: one.id)
+
+    async def look(user):
+        await user.should_see("Logs")
+        await asyncio.sleep(0.2)
+        field(user, "Logs").value = [str(tmp_path / log.name)]
+        await user.should_see("the drive moves", retries=100)
+        field(user, "Description (TOML)").value = str(tmp_path / "own.toml")
+        await user.should_see("a P controller, but", retries=100)
+        entered = {"gains": "K_p=3.0", "unit": "furlong", "Friction law": "dahl", "tau i": "0.1"}
+        for label, value in entered.items():
+            field(user, label).value = value
+        await user.open("/")
+        await user.should_see("unit 'furlong' of time", retries=100)
+        assert {label: field(user, label).value for label in entered} == entered
+        assert field(user, "controller").value == "P"
+        assert field(user, "Description (TOML)").value == str(tmp_path / "own.toml")
+
+    opened(Workbench(tmp_path), look)
