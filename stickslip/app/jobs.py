@@ -23,6 +23,12 @@ import stickslip as ss
 Lines = list[str]
 FAULTS = (ss.Fault, OSError, MemoryError)  # that a user can cause
 RATE = 0.1  # least time between two reports of steps [s]
+RUNNING = ".running"  # ends the name of a file that is beside the results of a job while it runs
+
+
+def stamp(seconds: float | None = None) -> str:
+    """Return a time, else the present one, as it is shown."""
+    return time.strftime("%Y-%m-%d %H:%M", time.localtime(seconds))
 
 
 class Told(ss.Progress):
@@ -138,7 +144,7 @@ class Job:
 
     name: str
     of: str = ""  # the files that it takes
-    since: str = field(default_factory=lambda: time.strftime("%H:%M"))
+    since: str = field(default_factory=stamp)
     stages: Lines = field(default_factory=lambda: ["loading"])
     lines: Lines = field(default_factory=list)  # findings, warnings, what was done
     done: tuple[float | None, str, str] = (None, "", "")  # share of the stage, steps, remark
@@ -149,16 +155,19 @@ class Job:
     ended: bool = False
     version: int = 0  # counts what is told
     process: BaseProcess | None = None
+    mark: Path | None = None  # a file that is there while it runs
 
     @classmethod
     def begin(cls, name: str, of: str, task: Callable[..., Lines], **given: Any) -> Job:
-        """Start a task on some files."""
+        """Start a task on some files that writes to a folder."""
+        mark = given["folder"].with_name(name + RUNNING)
+        mark.write_text(of, encoding="utf-8")
         context = multiprocessing.get_context("spawn")
         receiver, sender = context.Pipe(duplex=False)
         process = context.Process(target=_work, args=(sender, task, given))
         process.start()
         sender.close()
-        job = cls(name, of, process=process)
+        job = cls(name, of, process=process, mark=mark)
         Thread(target=job._follow, args=(receiver, process), daemon=True).start()
         return job
 
@@ -169,6 +178,8 @@ class Job:
         process.join()
         if self.result is None and not self.error:
             self.error = f"the process ended with status {process.exitcode}; see the terminal"
+        if self.mark:
+            self.mark.unlink(missing_ok=True)
         self.ended = True
         self.version += 1
 

@@ -2,11 +2,13 @@
 
 from collections.abc import Mapping
 from contextlib import suppress
+from copy import copy
 from dataclasses import replace
 from itertools import chain, count
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
+from nicegui import app as pages
 from nicegui import events, run, ui
 
 import stickslip as ss
@@ -21,6 +23,7 @@ from stickslip.app.shown import (
     lines_of,
     refreshed,
     resume,
+    seen,
     told,
 )
 from stickslip.app.workbench import LOGS, Workbench
@@ -38,11 +41,15 @@ def number(text: Any) -> Any:
 class LogForm:
     """The description of a log, to be corrected: columns, units, controller."""
 
-    SINGLE = (
-        *("encoder_step", "force_limit", "rated_force", "rated_torque", "sample_period", "tau_i"),
-    )
+    SINGLE: ClassVar = {
+        "encoder_step": "m or rad", "force_limit": "N or N m", "rated_force": "N",
+        "rated_torque": "N m", "sample_period": "s", "tau_i": "s",
+    }  # fmt: skip
+    UNITS = "K_x [1/s], velocity_feedforward [0 to 1], P_x [N/m], I_x [N/(m s)], K_p [N s/m],"
+    UNITS += " K_i [N/m], tau_f [s], T_s [s], u_max [N]; rotary: N m for N, rad for m"
 
     def __init__(self) -> None:
+        self.fields: list[Any] = []  # all of the page below the choice of logs
         self.first = ""  # the log that it describes
         self.base = ss.Description()
         self.names: list[str] = []  # of the columns in the log
@@ -74,14 +81,15 @@ class LogForm:
             self.controller.classes("w-32")
             gains = " ".join(f"{name}={value}" for name, value in base.gains.items())
             self.gains = ui.input("gains", value=gains, placeholder="K_p=4700 K_i=68000")
-            hint = f"{', '.join(ss.Description.GAINS)}; SI units"
-            self.gains.classes("grow").props(f'stack-label hint="{hint}"')
+            self.gains.classes("grow min-w-60").props("stack-label")
+        ui.label(self.UNITS).classes(QUIET)
         with ui.expansion("More").classes("w-full"), ui.row().classes("gap-4"):
             motions = {None: "from the units", "linear": "linear", "rotary": "rotary"}
             self.single["motion"] = ui.select(motions, label="motion", value=base.motion)
-            for key in self.SINGLE:
+            for key, unit in self.SINGLE.items():
                 value = getattr(base, key)
                 self.single[key] = ui.input(key.replace("_", " "), value=value and str(value))
+                self.single[key].props(f'hint="{unit}"')
             self.confirm = ui.input("confirm", value=" ".join(base.confirm))
             for field in (*self.single.values(), self.confirm):
                 field.classes("w-36")
@@ -158,7 +166,19 @@ def learn_part(work: Workbench) -> None:
         if config.value == before:  # else its change does
             await described()
 
-    async def described() -> None:
+    async def reloaded() -> None:
+        nonlocal form
+        before, logs, own = pages.storage.tab.get("learn", (form, log, config))
+        if logs.value and {*logs.value} <= {*log.options}:
+            form, configs = copy(before), work.files({".toml"})  # a duplicated tab has its own
+            config.set_options(configs, value=own.value if own.value in configs else None)
+            log.value = logs.value
+            await described(again=True)
+        pages.storage.tab["learn"] = form, log, config
+        log.on_value_change(chosen)
+        config.on_value_change(described)
+
+    async def described(*, again: bool = False) -> None:
         if not log.value:
             return
         given = config.value and await attempt(ss.load_description, Path(config.value))
@@ -167,22 +187,27 @@ def learn_part(work: Workbench) -> None:
         with body:
             ui.spinner()
         names = await attempt(ss.log_columns, log.value[0], base) or {}
-        if names and [*names] == form.names and not config.value:  # the log was corrected
-            base = await attempt(form.description) or base
+        entered: list[Any] = []
+        if names and [*names] == form.names and (again or not config.value):  # it was corrected
+            base, entered = form.base, [field.value for field in form.fields]
         body.clear()
         with body:
+            found = ui.column().classes("w-full gap-1")
+            with ui.expansion("Columns and controller", value=True).classes("w-full"):
+                form.build(base, names)
             with ui.row().classes("w-full items-end gap-4"):
-                ui.button("Check", icon="rule", on_click=lambda: check())
-                ui.button("Learn", icon="play_arrow", on_click=lambda: begin())
                 laws = ["auto", *ss.law_names()]
                 law = ui.select(laws, label="Friction law", value="auto").classes("w-40")
                 compensator = ui.input("Compensator", value="auto").classes("w-32")
                 fixed = ui.checkbox("gains stay as they are")
                 force = ui.checkbox("write what is not recommended")
-            found = ui.column().classes("w-full gap-1")
-            with ui.expansion("Columns and controller", value=True).classes("w-full"):
-                form.build(base, names)
             signals = ui.column().classes("w-full")
+            with ui.card().props("flat square").classes("w-full flex-row sticky bottom-0 z-10 p-2"):
+                ui.button("Check", icon="rule", on_click=lambda: check_again())
+                ui.button("Learn", icon="play_arrow", on_click=lambda: begin())
+        form.fields = [one for one in body.descendants() if hasattr(one, "value")]
+        for field, value in zip(form.fields, entered, strict=False):
+            field.value = value
 
         async def begin() -> None:
             description = await attempt(form.description)
@@ -198,6 +223,7 @@ def learn_part(work: Workbench) -> None:
                 force=force.value,
             )
             follow(work, job, outcome)
+            seen(outcome)
 
         async def check() -> None:
             found.clear()
@@ -225,7 +251,10 @@ def learn_part(work: Workbench) -> None:
                     if drawn := {one.source: (one.t, getattr(one, name)) for one in shown}:
                         chart(f"{name} (SI)", charts.signals(drawn), "h-40")
 
+        async def check_again() -> None:
+            await check()
+            seen(found)
+
         await check()
 
-    log.on_value_change(chosen)
-    config.on_value_change(described)
+    ui.timer(0.0, reloaded, once=True)

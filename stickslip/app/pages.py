@@ -19,7 +19,9 @@ PARTS: dict[str, Callable[[Workbench], None]] = {
     "Arena": arena_part,
 }
 STYLE = """
+.q-notifications__list--bottom { margin-bottom: 64px }
 .nicegui-content { padding: 0 } .q-tab-panel { padding: 16px } body { overflow-x: hidden }
+.q-panel-parent, .q-panel, .q-tab-panel { overflow: visible }
 .wide { width: 100%; max-width: 72rem; margin: auto } .q-notification { --q-primary: currentColor }
 .q-uploader__list { min-height: 20px; padding: 0 8px }
 @media (max-width: 480px) { .q-header { padding: 0 } .q-tab { padding: 0 9px; min-width: 0 } }

@@ -7,7 +7,7 @@ from nicegui import ui
 
 import stickslip as ss
 from stickslip.app.shown import QUIET, attempt, refreshed, report, show_results
-from stickslip.app.workbench import Workbench
+from stickslip.app.workbench import Workbench, titled
 
 
 def results_part(work: Workbench) -> None:
@@ -50,5 +50,5 @@ def beside(found: Any, folders: list[Path]) -> None:
     with ui.row().classes("w-full flex-nowrap max-md:flex-wrap gap-4"):
         for folder in folders:
             with ui.column().classes("min-w-0 grow basis-0 max-md:basis-full"):
-                ui.label(folder.name).classes("font-bold")
+                ui.label(titled(folder)).classes("font-bold")
                 report(folder)

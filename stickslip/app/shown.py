@@ -1,6 +1,7 @@
 """What parts of the page have in common: messages, jobs and folders of results."""
 
 import json
+import re
 import shutil
 import tempfile
 from collections.abc import Callable, Iterable, MutableMapping
@@ -12,9 +13,10 @@ from weakref import WeakKeyDictionary
 import pandas as pd
 from nicegui import Client, run, ui
 
+import stickslip as ss
 from stickslip.app import charts, jobs
 from stickslip.app.jobs import FAULTS, Job, message_of
-from stickslip.app.workbench import LEARNED, PAGES, Workbench
+from stickslip.app.workbench import LEARNED, PAGES, Workbench, titled
 
 EVERY = 0.4  # time between two looks at a job [s]
 EMPTY = 2.0  # time between two looks for what an empty field could have [s]
@@ -22,13 +24,23 @@ _TOLD: MutableMapping[Client, ui.notification] = WeakKeyDictionary()
 _FOLLOWED: MutableMapping[ui.element, Job] = WeakKeyDictionary()
 QUIET = "text-sm opacity-70"
 DEPLOY = "deploy"  # the folder of what goes to the controller
+_KEYS = "|".join((*ss.Description.ROLES, *ss.Description.__dataclass_fields__))
+_KEY = re.compile(rf"(?<![\w'])(?<!= )({_KEYS})(?![\w'])")
+_SEARCH = re.compile(r"'stickslip tune learned.json --set-range (\S+)'")
+
+
+def worded(text: str) -> str:
+    """Return a text that names what is on this page by its labels."""
+    text = text.replace("the field 'ROLE'", "its field").replace("of 'ROLE'", "beside it")
+    text = _SEARCH.sub(r"Tune with the Ranges '\1'", text)
+    return _KEY.sub(lambda found: found[0].replace("_", " "), text)
 
 
 def told(text: str) -> None:
     """Show the line of an error in place of the one before."""
     quiet()
     _TOLD[ui.context.client] = ui.notification(
-        text, type="negative", multi_line=True, timeout=None, close_button="Close"
+        worded(text), type="negative", multi_line=True, timeout=None, close_button="Close"
     )
 
 
@@ -47,6 +59,11 @@ def refreshed(field: ui.select, options: Callable[[], Any]) -> ui.select:
     field.on("popup-show", look)
     ui.timer(EMPTY, lambda: None if field.options else look())
     return field
+
+
+def seen(place: ui.element) -> None:
+    """Scroll to what has changed where it is out of sight."""
+    ui.run_javascript(f"getHtmlElement({place.id}).scrollIntoView({{block: 'nearest'}})")
 
 
 def busy(place: ui.element) -> bool:
@@ -70,7 +87,7 @@ async def attempt(work: Callable[..., Any], *args: Any, **given: Any) -> Any:
 
 def lines_of(lines: Iterable[str]) -> None:
     """Show findings and warnings, a line each."""
-    for line in lines:
+    for line in map(worded, lines):
         kind = line.partition(":")[0]
         icons = {"error": ("error", "negative"), "warning": ("warning", "warning")}
         icon, colour = icons.get(kind, ("info", "grey"))
@@ -141,7 +158,7 @@ def show_results(work: Workbench, name: str, job: Job | None = None) -> None:
     """Show a folder of results: what was found, files to download, and the page."""
     folder = work.runs / name
     with ui.card().classes("w-full"):
-        ui.label(name).classes("font-bold")
+        ui.label(titled(folder)).classes("font-bold")
         if job is not None and job.error:
             lines_of([f"error: {job.error}"])
         learned = next((folder / one for one in LEARNED if (folder / one).exists()), None)
@@ -180,7 +197,7 @@ def verdict(learned: Path) -> None:
     with ui.grid().classes("w-full gap-x-4 gap-y-1 grid-cols-[auto_1fr]"):
         for label, text in found.get("lines", ()):
             ui.label(label.capitalize()).classes(QUIET)
-            ui.label(text).classes("min-w-0 break-words")
+            ui.label(worded(text)).classes("min-w-0 break-words")
 
 
 def packed(folder: Path, name: str) -> None:

@@ -1,6 +1,9 @@
 """The workbench without a browser: what its pages show."""
 
 import asyncio
+import json
+import shutil
+import time
 from functools import partial
 from types import SimpleNamespace
 
@@ -26,6 +29,10 @@ def opened(work, look):
             await look(user)
 
     asyncio.run(see())
+
+
+def endless(*_, **__):
+    time.sleep(60.0)
 
 
 def test_progress_is_what_a_terminal_shows():
@@ -127,3 +134,82 @@ def test_a_page_shows_what_was_begun_in_another(tmp_path, kind):
     opened(work, look)
     if kind == "learn":  # that tab is open when nothing runs
         opened(work, lambda user: user.should_see("no friction is seen", retries=20))
+
+
+def test_a_run_that_ended_with_its_server_is_told(tmp_path):
+    work, marks = Workbench(tmp_path), partial((tmp_path / "runs").glob, "*.running")
+    stopped = work.begin("learn", ["other.csv"], endless)
+    stopped.stop()
+    while not stopped.ended:
+        time.sleep(0.05)
+    assert not [*marks()]
+    ended = work.begin("learn", ["axis.csv"], endless)
+    work.close()
+    while not ended.ended:
+        time.sleep(0.05)
+    later = Workbench(tmp_path)
+    assert not [*marks()]
+
+    async def look(user):
+        await user.should_see("the run ended with its server", retries=20)
+        await user.should_see(f"axis.csv, since {ended.since[:10]}")
+        await user.should_not_see("other.csv, since")
+
+    opened(later, look)
+
+
+@pytest.mark.parametrize("gains", ["K_p = 1666 N.s/m, K_i = 1.3e+05 N/m", "controller not known"])
+def test_results_are_told_apart_by_date_log_and_gains(tmp_path, gains):
+    work = Workbench(tmp_path)
+    (work.runs / "learn-axis-1").mkdir(parents=True)
+    values = {"m": (8.0, "kg"), "K_p": (1666.1, "N.s/m"), "K_i": (1.3e5, "N/m"), "m_ff": (0, "kg")}
+    loop = {name: {"value": value, "unit": unit} for name, (value, unit) in values.items()}
+    learned = {"sha256": {"axis.csv": ""}} | ({"loop": loop} if "=" in gains else {})
+    (work.runs / "learn-axis-1/learned.json").write_text(json.dumps(learned))
+    name = f"learn-axis-1 · {time.strftime('%Y-%m-%d')} "
+    assert work.results()["learn-axis-1"].startswith(name)
+    assert work.results()["learn-axis-1"].endswith(f" · axis.csv · {gains}")
+    work.jobs["learn-axis-1"] = Job("learn-axis-1", ended=True, version=1)
+    opened(work, lambda user: user.should_see(f"axis.csv · {gains}", retries=20))
+
+
+def test_messages_name_what_the_page_shows():
+    from stickslip.app.learning import LogForm
+    from stickslip.app.shown import worded
+
+    assert worded("unit 'a' of position_command") == "unit 'a' of position command"
+    assert worded("force_command = force_command") == "force command = force_command"
+    assert worded("column 'sample_period'") == "column 'sample_period'"
+    assert worded("UNIT in the field 'unit' of 'ROLE'") == "UNIT in the field 'unit' beside it"
+    searched = worded("'stickslip tune learned.json --set-range controller.m_ff=0:11' searches it")
+    assert searched == "Tune with the Ranges 'controller.m_ff=0:11' searches it"
+    assert all(f"{name} [" in LogForm.UNITS for name in ss.Description.GAINS)
+
+
+def test_a_page_that_is_loaded_again_has_what_was_entered(tmp_path, log):
+    from nicegui import ui
+
+    shutil.copy(log, tmp_path)
+    (tmp_path / "own.toml").write_text('[controller]\nkind = "P"\nK_p = 2.0\n')
+
+    def field(user, label):
+        every = user.find(content=label, kind=(ui.select, ui.input)).elements
+        return min((one for one in every if one.props["label"] == label), key=lambda one: one.id)
+
+    async def look(user):
+        await user.should_see("Logs")
+        await asyncio.sleep(0.2)
+        field(user, "Logs").value = [str(tmp_path / log.name)]
+        await user.should_see("the drive moves", retries=100)
+        field(user, "Description (TOML)").value = str(tmp_path / "own.toml")
+        await user.should_see("a P controller, but", retries=100)
+        entered = {"gains": "K_p=3.0", "unit": "furlong", "Friction law": "dahl", "tau i": "0.1"}
+        for label, value in entered.items():
+            field(user, label).value = value
+        await user.open("/")
+        await user.should_see("unit 'furlong' of time", retries=100)
+        assert {label: field(user, label).value for label in entered} == entered
+        assert field(user, "controller").value == "P"
+        assert field(user, "Description (TOML)").value == str(tmp_path / "own.toml")
+
+    opened(Workbench(tmp_path), look)

@@ -139,7 +139,7 @@ def test_from_a_dropped_log_to_the_downloaded_compensator(brief_server, browser,
     page.get_by_text("learn-log-1 still runs; stop it first").wait_for()
     page.get_by_text("Importances").wait_for(timeout=LONG)
     third = opened(browser, address)
-    third.get_by_text(re.compile(r"^log.csv, second.csv, since \d\d:\d\d")).wait_for()
+    third.get_by_text(re.compile(r"^log.csv, second.csv, since .*\d\d:\d\d")).wait_for()
     page.get_by_text("Coulomb feedforward (static)").first.wait_for(timeout=LONG)
     check = page.get_by_text("drive disabled: a slow positive")
     assert check.bounding_box()["y"] < 720.0  # without scrolling
@@ -183,6 +183,23 @@ def test_from_a_dropped_log_to_the_downloaded_compensator(brief_server, browser,
     process.send_signal(signal.SIGINT)
     page.get_by_text("The server has gone.").wait_for()
     assert process.wait(20) == 0
+
+
+def test_learn_stands_below_what_it_uses_and_stays_in_sight(server, browser):
+    page = opened(browser, server[1])
+    page.set_viewport_size({"width": 390, "height": 600})
+    choose(page, "Logs", "unnamed.csv")
+    page.get_by_text("no column of time").wait_for()
+    learn, gains = page.get_by_role("button", name="Learn"), page.get_by_label("gains", exact=True)
+    assert learn.bounding_box()["y"] < 600.0 < gains.bounding_box()["y"]
+    page.get_by_role("button", name="Check").scroll_into_view_if_needed()
+    page.mouse.wheel(0, 5000)
+    page.wait_for_timeout(500)
+    assert gains.bounding_box()["y"] < learn.bounding_box()["y"] < 600.0
+    page.get_by_role("button", name="Check").click()  # shows what it finds
+    page.wait_for_timeout(1000)
+    assert page.get_by_text("no column of time").bounding_box()["y"] > 35.0
+    assert page.evaluate("document.scrollingElement.scrollWidth") == 390
 
 
 def test_a_slider_moves_the_result(server, browser):
