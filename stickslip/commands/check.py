@@ -67,8 +67,13 @@ def run(options: argparse.Namespace) -> Answer:
 
 def _files(given: Iterable[Path]) -> Iterator[Path]:
     """Yield the files, and of a folder the FMUs and packages in it."""
+    from stickslip.logs.formats import SUFFIXES
+
     kinds = {".fmu", ".ssp"}
     for path in given:
+        if path.suffix in (".csv", *SUFFIXES):
+            how = f"'stickslip learn {path} --check' checks a log"
+            raise UsageError(f"{path}: expected a .fmu or .ssp; {how}")
         if path.suffix in kinds or not path.is_dir():
             yield path
         elif inside := sorted(one for one in path.rglob("*") if one.suffix in kinds):

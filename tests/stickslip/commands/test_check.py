@@ -81,3 +81,9 @@ def test_each_fmu_of_a_package_is_checked_and_its_structure(sound, broken, tmp_p
     assert "system-structure" in out
     assert "resources/gone.fmu' is missing from the package" in out
     assert out.count(": FMI 3.0, ") == 2  # its FMUs are checked all the same
+
+
+def test_a_log_is_told_how_it_is_checked(tmp_path, capsys):
+    (log := tmp_path / "axis.csv").write_text("time,position\n")
+    assert main(["check", str(log)]) != 0
+    assert f"'stickslip learn {log} --check' checks a log" in capsys.readouterr().err
