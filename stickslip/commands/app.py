@@ -16,7 +16,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.description = (
         "Serve the workbench to the browser of this machine, at 127.0.0.1 and with a token that is "
-        "new each time. Ctrl-C ends it. Needs pip install 'stickslip[app]'."
+        "new each time. Ctrl-C ends it. Needs the extra app."
     )
     parser.add_argument(
         "folder",
@@ -40,9 +40,7 @@ def run(options: argparse.Namespace) -> Answer:
     try:
         from stickslip.app.server import serve  # late: loads a web server
     except ModuleNotFoundError as missing:
-        raise UsageError(
-            f"the workbench needs {missing.name}; run: pip install 'stickslip[app]'"
-        ) from None
+        raise UsageError(f"the workbench needs {missing.name}; run: {installing('app')}") from None
 
     def announce(address: str) -> None:
         print(f"the workbench of {options.folder}, until Ctrl-C ends it: {address}", flush=True)
