@@ -40,7 +40,8 @@ def run(options: argparse.Namespace) -> Answer:
     try:
         from stickslip.app.server import serve  # late: loads a web server
     except ModuleNotFoundError as missing:
-        raise UsageError(f"the workbench needs {missing.name}; run: {installing('app')}") from None
+        how = f"the workbench needs {missing.name}; run: {installing('app')}"
+        raise UsageError(how) from None
 
     def announce(address: str) -> None:
         print(f"the workbench of {options.folder}, until Ctrl-C ends it: {address}", flush=True)
