@@ -9,6 +9,7 @@ from pathlib import Path
 
 from stickslip.commandline import FLAG, add_options
 from stickslip.errors import UsageError, name_settings
+from stickslip.fmi.messages import installing
 from stickslip.output import Answer
 
 
