@@ -85,7 +85,9 @@ def _held_back(
     marked, step = np.zeros(len(force), dtype=bool), step_of(force)
     for sign in (1.0, -1.0):
         one = sign * force
-        most = float(np.quantile(one, 0.999))
+        most, few = float(np.quantile(one, 0.999)), round(log_force.PLATEAU)
+        if not limit and np.partition(one, -few)[-few] > (1.0 + log_force.AT_LIMIT) * most:
+            continue  # a peak, not an extreme at which the force stays
         level = log_force.AT_STATED * limit if limit else (1.0 - log_force.AT_LIMIT) * most
         if level > 0.0:
             demand = _demand(recording, name, sign, one < level, level=level)

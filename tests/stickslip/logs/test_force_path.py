@@ -9,6 +9,7 @@ from scipy.signal import lfilter
 
 from campaigns.sound_drives import simulator
 from stickslip.logs import Recording, aligned, check_recording, samples_late
+from stickslip.logs.checks import saturation
 from stickslip.logs.force_path import force_path
 from stickslip.logs.motion import Delay, force_delay, signal_delay
 from stickslip.servo.measurement import smoothed
@@ -189,6 +190,15 @@ def test_a_limit_is_found_where_the_error_of_the_motion_grows(limits):
         found = said(noisy)
         assert float(found.split("saturates at ")[1].split(":")[0]) == pytest.approx(7.5, rel=0.02)
         assert found == said(noisy, force_limit=60.0)  # the limit is lower than stated
+
+
+def test_short_peaks_as_of_a_drive_that_slips_are_no_limit():
+    """Each is so short that the largest thousandth of the force holds its flanks as well."""
+    phase = np.arange(20000) % 500
+    peak = 5.0 * np.exp(-(((phase - 250.0) / 10.0) ** 2)) * (1.0 + 2e-5 * np.arange(20000))
+    t, force = 1e-3 * np.arange(20000), 3.0 + 1e-3 * phase
+    log = Recording(t, np.zeros(20000), force + peak, force_command=force + 3.0 * peak)
+    assert not [*saturation(log, None)]
 
 
 def test_a_limit_that_is_exceeded_limits_nothing():
