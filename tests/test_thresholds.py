@@ -1025,7 +1025,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "identifiable.WEAKLY": (lambda: level(1.0), NOT_IDENTIFIABLE, "weakly identifiable"),
     "identifiable.TAKEN": (lambda: taken("sigma_0", 4e5, half=0.4) < 4e5, True, False),
     "identifiable.PRIOR_DOMINATED": (lambda: is_prior(0.7), True, False),
-    "identifiable.PRESLIDING": (lambda: with_least_error(0.03), 0.03, 0.04),
+    "identifiable.PRESLIDING": (lambda: with_least_error(0.03), 0.04, 0.08),
     "identifiable.QUANTISED": (lambda: with_least_error(0.02, 0.25), 0.0875, 0.175),
     "identifiable.SOFTEST": (lambda: taken("sigma_0", 4e5), 2e5, 4e5),
     "identifiable.BEYOND": (lambda: taken("F_s", 12.0), 8.0, 12.0),
