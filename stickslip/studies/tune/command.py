@@ -108,7 +108,7 @@ def _of_drive(
             warn("an observer would have to run in the drive: the loop is tuned without it")
         found: Any = tune(options.file, ranges, rig=rig, progress=progress, **given)
     print(parameters(found).text())
-    for figure, table in tables.errors(found.benefit):
+    for figure, table in tables.errors(found.benefit) if found.is_better else ():
         print(
             f"\nRMS error of {figure} over that of the present loop, median of simulated drives"
             f" (where that of the true one is expected):\n{table.text()}"

@@ -214,13 +214,18 @@ def test_no_motion_gets_worse_and_what_is_fixed_stays_to_the_bit(learned):
         assert line.get_ydata()[0] == pytest.approx(1e3 * np.sqrt(np.mean(squares)))
 
 
-def test_where_nothing_is_better_the_present_loop_stays(learned):
+def test_where_nothing_is_better_the_present_loop_stays(learned, capsys):
     narrow = {"controller.K_p": (100.0, 200.0)}
     settings = TuneSettings(narrow, ("controller", "observer", "compensator"), evaluations=12)
     found = tune_drive(LearnedFile(learned()), settings)
     assert found.best is found.start
     assert set(found.ratios.values()) == {1.0}
     assert "stays as it is" in found.sentence
+    words = ["--set-range", "controller.K_p=100:200", "--evaluations", "12", "--workers", "1"]
+    assert cli.main(["tune", str(found.learned.path), *words]) == 0
+    printed = capsys.readouterr().out
+    assert "stays as it is" in printed
+    assert "the true one is expected" not in printed  # of a loop that did not change
 
 
 def test_the_files_have_the_tuned_loop(learned, tmp_path, capsys):
