@@ -944,7 +944,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "offer.WORTHWHILE/2": (lambda: designed(0.6), "whole error", None),
     "offer.HIDDEN/2": (lambda: designed(0.5), "whole error", "reversals"),
     "offer.OTHER_GAINS": (
-        lambda: "promises little" in OtherGains(2, 9, (1.2, 1.3), {"K_p": 2.0}, 0.95).sentence,
+        lambda: "searches further" in OtherGains(2, 9, (1.2, 1.3), {"K_p": 2.0}, 0.95).sentence,
         True,
         False,
     ),

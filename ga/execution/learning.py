@@ -99,7 +99,7 @@ def _run(
                 if algorithm.best.cost == float("inf"):
                     raise NothingLearned(
                         f"all {algorithm.evaluations} candidates failed, the start values among "
-                        f"them; the first because: {outcomes[0][1] or 'its cost is infinite'}"
+                        f"them; the first because: {outcomes[0][1] or 'its cost is not finite'}"
                     )
                 on_generation(algorithm)
     finally:

@@ -43,7 +43,7 @@ class OtherGains:
             best = f"the best of {self.tried} loops tried leaves {self.error:.2f} of the error"
             if not self.factors:
                 best = f"none of {self.tried} loops tried is better and in no motion worse"
-            return f"tuning the gains alone promises little: {best}"
+            return f"other gains: {best}; 'stickslip tune' searches further"
         *first, last = (f"{factor:g} times {name}" for name, factor in self.factors.items())
         gains = f"{', '.join(first)} and {last}" if first else last
         before, after = self.peak_sensitivity

@@ -164,7 +164,9 @@ class LearnedFromRecording(Learned):
         if self.choice not in (FEEDFORWARD, BOTH):
             run = f"feedforward of the law {self.estimation.law.title}"
         run = f"{run} at {share:g} of its force" if share != 1.0 else run
-        return run if self.choice in (FEEDFORWARD, BOTH) else f"{run}, which is not written"
+        if self.choice in (FEEDFORWARD, BOTH):
+            return run.removesuffix(",")
+        return f"{run}, which is not written"
 
     def _shared(self, benefit: Benefit) -> dict[str, float]:
         return benefit.variant.share(self.estimation.law, benefit.share).feedforward

@@ -213,14 +213,18 @@ def _headline(
         if not files:
             return start
         gain = number(100 * (1.0 - loop.share), 2)
-        return f"{start}; what is written takes at most {gain} % of it, the loop (below) the rest"
+        return (
+            f"{start}; what is written takes at most {gain} % of it; the rest is the loop's (below)"
+        )
     if force and learned.writes() != learned.writes(force=True):
         return with_settings("what is written is not recommended, but asked for with <force>")
     if compared and learned.writes() and compared.chosen.benefit:
+        levels = [row.level for row in compared.chosen.benefit.rows]
         return (
             f"friction is worth compensating: {compared.chosen.name} leaves"
             f" {number(100 * compared.chosen.mean, 2)} % of the error that it causes, in the mean"
-            " over motions and simulated drives"
+            f" over motions on simulated drives with {min(levels):g} to {max(levels):g} times the"
+            " friction"
         )
     if files:
         return "friction can be compensated; no compensator was tried"
@@ -412,6 +416,11 @@ def lines(verdict: Verdict, folder: Path | None, width: int | None) -> list[str]
     if folder and verdict.files:
         more += f"{folder}/deploy/steps.html tells how to deploy; "
     rows = [*verdict.rows(f"{folder}/" if folder else ""), ("more", f"{more}-v prints the tables")]
+    file = "learned.json"
+    rows = [
+        (label, text.replace(f"tune {file}", f"tune {folder or 'DIR'}/{file}"))
+        for label, text in rows
+    ]
     if not folder:
         rows = [("would write" if label == "use" else label, text) for label, text in rows]
     shown = [f"{verdict.source}: {verdict.headline}"]

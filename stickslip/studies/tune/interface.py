@@ -45,8 +45,8 @@ def tune(
     Parameters
     ----------
     system : a learned.json, or a system, an FMU, FILE.fmu or FILE.ssp
-    ranges : ``component.variable`` -> (lowest, highest); of a learned drive instead of or beside
-        those that are searched by default
+    ranges : ``component.variable`` -> (lowest, highest), of a system also (lowest, start, highest);
+        of a learned drive instead of or beside those that are searched by default
     cost : of a system: a cost file, or a function of the result that gives a number of 0 or more
     rig : the learned drive, which then runs the present loop, the tuned one and loops between them
     motions : of the rig, at most
