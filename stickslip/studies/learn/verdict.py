@@ -133,7 +133,7 @@ class Verdict:
             ("uncertain", self.doubts),
         ):
             for k, line in enumerate(lines):
-                yield "" if k else label, line
+                yield "" if k else label, line.replace(" learned.json", f" {folder}learned.json")
 
 
 def verdict_of(
@@ -415,12 +415,7 @@ def lines(verdict: Verdict, folder: Path | None, width: int | None) -> list[str]
     more = f"{folder}/report.html shows all; " if folder else "--out DIR writes it and a page; "
     if folder and verdict.files:
         more += f"{folder}/deploy/steps.html tells how to deploy; "
-    rows = [*verdict.rows(f"{folder}/" if folder else ""), ("more", f"{more}-v prints the tables")]
-    file = "learned.json"
-    rows = [
-        (label, text.replace(f"tune {file}", f"tune {folder or 'DIR'}/{file}"))
-        for label, text in rows
-    ]
+    rows = [*verdict.rows(f"{folder or 'DIR'}/"), ("more", f"{more}-v prints the tables")]
     if not folder:
         rows = [("would write" if label == "use" else label, text) for label, text in rows]
     shown = [f"{verdict.source}: {verdict.headline}"]

@@ -266,7 +266,7 @@ def test_the_verdict_tells_what_assumed_units_give_and_how_to_correct_a_force(so
 
 
 def test_without_a_folder_the_verdict_tells_what_would_be_written(sound):
-    assert lines(verdict_of(sound), None, None)[1].startswith("would write compensator.fmu")
+    assert lines(verdict_of(sound), None, None)[1].startswith("would write DIR/compensator.fmu")
     tuned = replace(verdict_of(sound), remedies=("'stickslip tune learned.json' searches it",))
     _, first, *others = lines(tuned, Path("out"), None)
     assert first.startswith("use         out/comp")
