@@ -51,7 +51,6 @@ from stickslip.rigs.socket_rig import SocketRig as SocketRig
 from stickslip.servo.axis import Axis as Axis
 from stickslip.servo.axis import Datasheet as Datasheet
 from stickslip.servo.axis import LoopSpecification as LoopSpecification
-from stickslip.servo.chain_response import closed_loop as closed_loop
 from stickslip.servo.chain_response import robustness as robustness
 from stickslip.servo.observer import design_observer as design_observer
 from stickslip.servo.systems import Compensator as Compensator
@@ -76,6 +75,7 @@ from stickslip.studies.tune.writing import write_tuned as write_tuned
 from stickslip.sweeping import optimise as optimise
 from stickslip.sweeping import sweep as sweep
 from stickslip.system import System as System
+from stickslip.system import closed_loop as closed_loop
 from stickslip.system import read_ssp as read_ssp
 
 __version__: str

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 from stickslip.cosim.system import system
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from stickslip.cosim.component import Interface
     from stickslip.cosim.signals.tables import Inputs
     from stickslip.figures import Figure
+    from stickslip.servo.systems import Compensator
+    from stickslip.servo.velocity_loop import VelocityLoop
     from stickslip.sweeping import Optimum
 
 
@@ -24,6 +27,13 @@ class System(system.System):
 
     Its attributes are those of ``cosim.System``.
     """
+
+    @classmethod
+    def of(cls, system: system.System) -> System:
+        """Return the same components and connections as such a system."""
+        found = cls(system.name)
+        vars(found).update(vars(system))
+        return found
 
     def add(
         self,
@@ -110,6 +120,49 @@ def read_ssp(
     from stickslip import cosim  # as above
 
     read, experiment = cosim.read_ssp(path, variant)
-    found = System(read.name)
-    vars(found).update(vars(read))
-    return found, experiment
+    return System.of(read), experiment
+
+
+def closed_loop(
+    loop: VelocityLoop,
+    compensators: Sequence[Compensator] = (),
+    *,
+    folder: Path | str = "fmus",
+    law: str = "lugre",
+    drive: Mapping[str, object] | None = None,
+) -> System:
+    """Build the FMUs of a velocity loop around a simulated drive, and connect them.
+
+    The components are ``nominal``, the loop without friction, whose output ``v_r`` is the velocity
+    to be reached; ``controller``, ``drive``, and the compensators by their names. The input
+    ``v_cmd`` is the velocity command [m/s]; run it with ``step=loop.T_s``.
+
+    Parameters
+    ----------
+    loop : controller gains and axis
+    compensators : in the order in which their forces are added
+    folder : for the FMUs
+    law : friction law of the drive
+    drive : start values of the drive by variable, such as ``F_c``; mass, viscous friction and lag
+        of the motor are those of the loop's axis unless given here
+
+    Raises
+    ------
+    UnknownLaw, UnknownModel
+        When there is no such law or compensator.
+    ParameterError
+        When the drive has no such variable, or not for this value.
+    ValueError
+        When a model is no compensator, or cannot take the force of the one before it.
+    """
+    from stickslip import models  # late, as above
+    from stickslip.servo.chain_response import built
+    from stickslip.servo.systems import build_loop
+
+    fmus = Path(folder) / law
+    models.build_fmu("drive", fmus, law=law)
+    chain = built(fmus, ("nominal_loop", "velocity_controller"), compensators)
+    system = System.of(build_loop(fmus, loop, chain))
+    for name, value in {**loop.axis.of_drive(), **(drive or {})}.items():
+        system.set(f"drive.{name}", value)
+    return system

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip import models
+from stickslip.errors import UsageError
 from stickslip.models import Law, LawParameter
 from stickslip.models.export.units import force_and_length, motion_unit
 
@@ -96,6 +97,15 @@ def estimated(law: Law) -> tuple[str, ...]:
 def learnable_laws() -> list[str]:
     """Return the names of the laws with parameters that an experiment shows."""
     return [name for name in models.law_names() if estimated(friction_law(name))]
+
+
+def check_learnable(law: str) -> None:
+    """Raise UsageError when no experiment shows a law's parameters, UnknownLaw when it is none."""
+    if not estimated(friction_law(law)):
+        there = ", ".join(learnable_laws())
+        raise UsageError(
+            f"<law {law}>: no experiment shows its parameters; expected one of {there}"
+        )
 
 
 def tabulated(law: Law) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from stickslip import cosim, models
 from stickslip.errors import UsageError, number
 from stickslip.servo.measurement import Array
 from stickslip.servo.sensitivity import ComplexArray, OpenLoop, Response
-from stickslip.servo.systems import Compensator, build_loop, lone_chain
+from stickslip.servo.systems import Compensator, lone_chain
 from stickslip.servo.velocity_loop import VelocityLoop
 
 SAMPLES = 2048  # length of the impulse responses
@@ -147,47 +147,6 @@ class ChainResponse(ExitStack):
         return found
 
 
-def closed_loop(
-    loop: VelocityLoop,
-    compensators: Sequence[Compensator] = (),
-    *,
-    folder: Path | str = "fmus",
-    law: str = "lugre",
-    drive: Mapping[str, object] | None = None,
-) -> cosim.System:
-    """Build the FMUs of a velocity loop around a simulated drive, and connect them.
-
-    The components are ``nominal``, the loop without friction, whose output ``v_r`` is the velocity
-    to be reached; ``controller``, ``drive``, and the compensators by their names. The input
-    ``v_cmd`` is the velocity command [m/s]; run it with ``step=loop.T_s``.
-
-    Parameters
-    ----------
-    loop : controller gains and axis
-    compensators : in the order in which their forces are added
-    folder : for the FMUs
-    law : friction law of the drive
-    drive : start values of the drive by variable, such as ``F_c``; mass, viscous friction and lag
-        of the motor are those of the loop's axis unless given here
-
-    Raises
-    ------
-    UnknownLaw, UnknownModel
-        When there is no such law or compensator.
-    ParameterError
-        When the drive has no such variable, or not for this value.
-    ValueError
-        When a model is no compensator, or cannot take the force of the one before it.
-    """
-    fmus = Path(folder) / law
-    models.build_fmu("drive", fmus, law=law)
-    chain = _built(fmus, ("nominal_loop", "velocity_controller"), compensators)
-    system = build_loop(fmus, loop, chain)
-    for name, value in {**loop.axis.of_drive(), **(drive or {})}.items():
-        system.set(f"drive.{name}", value)
-    return system
-
-
 def robustness(
     loop: VelocityLoop,
     compensators: Sequence[Compensator],
@@ -203,7 +162,7 @@ def robustness(
 
     Parameters
     ----------
-    loop, compensators, folder : as of ``closed_loop``
+    loop, compensators, folder : as of ``ss.closed_loop``
     friction : force of sliding [N]
     m : true mass [kg], by default that of the loop's axis
 
@@ -221,12 +180,12 @@ def robustness(
     if not 0.0 < m < math.inf:
         raise UsageError(f"m = {m:g} kg: expected more than 0")
     fmus = Path(folder) / "chain"
-    chain = _built(fmus, (), compensators)
+    chain = built(fmus, (), compensators)
     with ChainResponse(fmus, loop, chain) as response:
         return response.of(loop, {}, friction, m)
 
 
-def _built(
+def built(
     fmus: Path, others: Sequence[str], compensators: Sequence[Compensator]
 ) -> list[Compensator]:
     """Build FMUs into a folder; return the compensators with their files."""

@@ -19,6 +19,7 @@ import stickslip as ss
 from stickslip import cli, cosim, models
 from stickslip.cli import COMMANDS, main
 from stickslip.commands.simulate import add_isolation, isolation_of
+from stickslip.errors import StickslipError
 from stickslip.fmi.messages import installing
 from stickslip.fmi.toolchain import PLATFORMS, host_platform
 from tests.cosim.single import edited
@@ -117,6 +118,13 @@ def test_what_is_mistyped_gets_a_suggestion(arguments, says, capsys):
     line = usage(capsys, *arguments.split())
     assert says in line
     assert "--help'" in line
+
+
+def test_a_law_without_parameters_that_an_experiment_shows_is_not_learned(capsys):
+    line = failure(capsys, "reproduce", "--law", "armstrong")
+    assert "--law armstrong: no experiment shows its parameters; expected one of coul" in line
+    with pytest.raises(StickslipError, match="armstrong.*: no experiment shows"):
+        ss.LearnSettings(law="armstrong")
 
 
 def test_without_words_the_help_is_shown(capsys):

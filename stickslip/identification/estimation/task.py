@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from stickslip.catalog.parameters import friction_law
+from stickslip.catalog.parameters import check_learnable, friction_law
 from stickslip.errors import UsageError
 from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.inverse_model import InverseModel
@@ -52,6 +52,8 @@ class LearnSettings:
     fixed_gains: bool = False
 
     def __post_init__(self) -> None:
+        if self.law != "auto":
+            check_learnable(self.law)
         least, largest = self.friction_range
         if not 0.0 < least <= 1.0 <= largest < np.inf:
             raise UsageError(

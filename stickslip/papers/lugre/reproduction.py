@@ -12,7 +12,7 @@ from pathlib import Path
 import pandas as pd
 
 from stickslip import cosim, models
-from stickslip.catalog.parameters import estimated, friction_law
+from stickslip.catalog.parameters import check_learnable, estimated, friction_law
 from stickslip.evaluation.comparison import Evaluation, evaluate
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.evaluation.validation import PHASES, Validation, validate
@@ -46,6 +46,9 @@ class Options:
     preset: str = "default"
     # how many seeds search the loop or learn as published, ``seed`` the first
     seeds: int = 5
+
+    def __post_init__(self) -> None:
+        check_learnable(self.law)
 
     @property
     def all_seeds(self) -> range:

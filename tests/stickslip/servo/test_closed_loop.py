@@ -33,7 +33,7 @@ def error(system, T_s):
 def test_without_friction_it_is_the_nominal_loop(loop, tmp_path, tau_i):
     loop = loop.changed(axis=replace(loop.axis, tau_i=tau_i))
     system = ss.closed_loop(loop, folder=tmp_path, drive=IDEAL)
-    result = ss.simulate(system, stop=0.05, step=loop.T_s / 20, inputs={"v_cmd": 0.01})
+    result = system.simulate(stop=0.05, step=loop.T_s / 20, inputs={"v_cmd": 0.01})
     gap = (result["drive.v"] - result["nominal.v_r"])[::20]
     assert np.abs(gap).max() < 1e-6
 
