@@ -58,7 +58,8 @@ def suggestion(name: str, names: Iterable[str]) -> str:
     """Return the end of an error message: what ``name`` may have meant, or what there is."""
     known = [printable(each, 80) for each in islice(names, _MOST)]
     name = name[:80]
-    if near := difflib.get_close_matches(name, known, n=3, cutoff=0.5):
+    near = [each for each in known if each.lower() == name.lower()]
+    if near := near or difflib.get_close_matches(name, known, n=3, cutoff=0.5):
         return f"; did you mean {' or '.join(map(repr, near))}?"
     shown = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
     return f"; there is {shown}" if known else "; there is none"

@@ -199,7 +199,8 @@ def optimise(
     """
     model, specification, signals = _prepared(system, inputs, options)
     genes, units = list[ga.Gene](), dict[str, str]()
-    spans = by_name("ranges", ranges, UsageError)
+    if not (spans := by_name("ranges", ranges, UsageError)):
+        raise UsageError("ranges: expected one variable or more, got none")
     for name, span in spans.items():
         three = [number(name, one) for one in _values(name, span)]
         if len(three) == 2:
@@ -208,6 +209,8 @@ def optimise(
         if len(three) != 3:
             raise UsageError(f"{name}: expected (lowest, start, highest), got {tuple(span)}")
         low, start, high = three
+        if not low <= start <= high or low == high:
+            raise UsageError(f"{name}: expected lowest <= start <= highest, got {tuple(span)}")
         target = model.target(name)
         if (kind := model.system.variable(target).type) not in FLOATS:
             raise UsageError(f"{name}: expected a real number to search, got one of type {kind}")

@@ -151,7 +151,7 @@ def _contradiction(
     leave = f"<column {b}=none> leaves {b} out"
     if ratio < 0:
         figure = f"they have opposite signs, {b} is {ratio:.4g} times {a}"
-        yield Finding("error", what, figure, f"give {_scaled(reading, b, -1)}; {leave}")
+        yield Finding("error", what, figure, f"{_turned(reading, b, a)}; {leave}")
     figure = f"{b} is {abs(ratio):.4g} times {a}"
     factor, name = near_factor(abs(ratio)) or (0.0, "")
     is_small = 1 / log_unit.SMALL < factor < log_unit.SMALL
@@ -207,6 +207,13 @@ def _scaled(reading: Reading, role: str, factor: float) -> str:
     scale = reading.description.column(role).scale
     before = "" if scale is None else f"{scale}*"
     return f"<scale {role}={before}{factor:.4g}>"
+
+
+def _turned(reading: Reading, *roles: str) -> str:
+    """Return the advice to turn the sign of one of some signals."""
+    own = ("position" if role == RATE else role for role in roles)
+    options = " or ".join(_scaled(reading, role, -1) for role in own)
+    return f"turn the sign of the one that is wrong with {options}"
 
 
 def _unit_for(reading: Reading, role: str, factor: float) -> Unit | None:
@@ -272,7 +279,7 @@ def implausible(reading: Reading) -> Iterator[Finding]:
         seen, m, F_c = shown.inertial > log_content.INERTIAL, shown.mass, shown.coulomb
         if seen and m < 0.0 and F_c < 0.0 and work < 0.0:
             figure = f"F = m a + b v + F_c sign(v) gives m = {m:.3g} {kg} and F_c = {F_c:.3g} {N}"
-            advice = f"give {_scaled(reading, 'force', -1)}, which turns its sign"
+            advice = _turned(reading, "force", moved)
             yield Finding("error", "the force acts against the motion", figure, advice)
         elif seen and m > 0.0:
             figures["mass"] = m, kg

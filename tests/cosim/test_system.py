@@ -94,6 +94,7 @@ def test_what_cannot_be_added_is_not(system, make, name):
     [
         ("drive.q", 1.0, "no variable 'q'"),
         ("drove.k", 1.0, "did you mean 'drive'"),
+        ("drive.K", 1.0, r"did you mean 'k'\?"),
         ("drive.k", 1001.0, r"drive\.k = 1001\.0 is outside its range -1000\.0 to 1000\.0"),
         ("drive.fault_time", math.inf, "outside its range"),
         ("drive.k", math.nan, "outside its range"),

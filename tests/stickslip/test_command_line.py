@@ -123,7 +123,7 @@ def test_what_is_mistyped_gets_a_suggestion(arguments, says, capsys):
 def test_a_law_without_parameters_that_an_experiment_shows_is_not_learned(capsys):
     line = failure(capsys, "reproduce", "--law", "armstrong")
     assert "--law armstrong: no experiment shows its parameters; expected one of coul" in line
-    with pytest.raises(StickslipError, match="armstrong.*: no experiment shows"):
+    with pytest.raises(StickslipError, match=r"armstrong.*: no experiment shows"):
         ss.LearnSettings(law="armstrong")
 
 

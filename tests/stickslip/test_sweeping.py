@@ -123,6 +123,8 @@ def test_mistakes_are_one_line(stage):
         ss.sweep(stage, {"F_c": [1.0]}, {"end": lambda result: result["w"][-1]}, **RUN)
     with pytest.raises(ss.Fault, match=r"F_c: expected \(lowest, start, highest\)"):
         ss.optimise(stage, {"F_c": (0.1,)}, end, **RUN)
+    with pytest.raises(ss.Fault, match=r"F_c: expected lowest <= start <= highest, got \(2, 1\)"):
+        ss.optimise(stage, {"F_c": (2, 1)}, end, **RUN)
     with pytest.raises(ss.Fault, match=r"stage\.b = -1\.0 .* is outside its range 0\.0 "):
         ss.optimise(stage, {"b": (-1.0, 5.0)}, end, **RUN)
     for given in ({"parameters": [1.0], "figures": {}}, {"parameters": {}, "figures": [end]}):

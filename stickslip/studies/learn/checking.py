@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
 from stickslip.identification.sliding.position_force import with_position_force
 from stickslip.logs import Description, Finding, Reading, read_and_check
 from stickslip.logs.formats import read_table
 
 
-def check_log(
-    path: Path | str, description: Description | None = None
-) -> tuple[Reading, tuple[Finding, ...]]:
+class CheckedLog(NamedTuple):
+    """A log that was read, and what was found."""
+
+    reading: Reading
+    findings: tuple[Finding, ...]
+
+    def __repr__(self) -> str:
+        return "\n".join(map(str, (self.reading.recording.source, *self.findings)))
+
+
+def check_log(path: Path | str, description: Description | None = None) -> CheckedLog:
     """Read a log and check it, without learning from it.
 
     Parameters
@@ -21,8 +30,8 @@ def check_log(
 
     Returns
     -------
-    the stretch of the log that is used, in SI units, with the columns in their roles, and the
-    findings, errors included
+    ``reading``, the stretch of the log that is used, in SI units, with the columns in their roles,
+    and ``findings``, errors included; as text, a line for each finding
 
     Raises
     ------
@@ -33,10 +42,10 @@ def check_log(
         Path(path), description or Description(), known=with_position_force
     )
     if any(one.severity == "error" for one in findings):
-        return reading, findings
+        return CheckedLog(reading, findings)
     from stickslip.studies.learn.controller_findings import check_description  # late: runs FMUs
 
-    return reading, check_description(reading, findings)
+    return CheckedLog(reading, check_description(reading, findings))
 
 
 def log_columns(path: Path | str, description: Description | None = None) -> dict[str, str]:

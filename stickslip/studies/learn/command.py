@@ -159,13 +159,13 @@ def run(options: argparse.Namespace) -> Answer:
 
 
 def _headline(findings: Sequence[Finding], *, refused: bool) -> str:
-    """Return whether a log can be learned from."""
+    """Return whether a log passes the checks; what learning finds may still refuse it."""
     errors, warnings = (
         sum(one.severity == severity for one in findings) for severity in ("error", "warning")
     )
     if errors or refused:
         return f"cannot be learned from; errors: {errors or 1}, warnings: {warnings}"
-    return f"can be learned from; warnings: {warnings or 'none'}"
+    return f"passes the checks; warnings: {warnings or 'none'}"
 
 
 def _learn(options: argparse.Namespace, description: Description) -> dict[str, Any]:

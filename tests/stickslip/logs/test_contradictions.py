@@ -74,6 +74,7 @@ CONTRADICTIONS = {
     "time in ms": ({"time": 1e-3}, "10^3", "--unit time=ms"),
     "time in 1000 s": ({"time": 1e3}, "10^3", "--unit position=mm"),
     "velocity turned around": ({"velocity": -1}, "opposite signs", "--scale velocity=-1"),
+    "position turned around": ({"position": -1}, "opposite signs", "--scale position=-1"),
 }  # fmt: skip
 
 
