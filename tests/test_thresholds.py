@@ -75,9 +75,9 @@ from stickslip.studies.tune.on_rig import RigTest
 from stickslip.studies.tune.run import is_unfinished
 from stickslip.studies.validate import compared_logs, log_prediction, log_verdict
 from stickslip.trial import compensator_trial
-from stickslip.trial.benefit import NONE, MotionErrors, TrialError, is_harmless
+from stickslip.trial.benefit import NONE, MotionErrors, TrialError, harmful
 from stickslip.trial.candidates import CompensatorComparison, Row
-from stickslip.trial.family import SLOW_MOVE, Drive, Evidence, deflections, family, onsets
+from stickslip.trial.family import SLOW_MOVE, SWEEP, Drive, Evidence, deflections, family, onsets
 from stickslip.trial.hold import Hold, hunting_at_rest
 from stickslip.tuning import loop_learning, refinement
 from tests.stickslip.identification.selection.test_choice import predicted
@@ -146,7 +146,8 @@ POOR_ONE = {"F_c": 1.0, "sigma_0": 1.0}
 
 WORSE_ON_SOME = tuple(TrialError(1.0, "", 1.0, ratio) for ratio in (0.5, 0.6, 1.0, 1.1, 1.1))
 WORSE_ON_ONE = tuple(TrialError(1.0, "", 1.0, ratio) for ratio in (0.5, 0.6, 1.0, 1.0, 1.5))
-SLOW_MOVES = tuple(TrialError(1.0, "", 1.0, ratio, SLOW_MOVE) for ratio in (0.9, 1.5, 2.7))
+SLOW_MOVES = tuple(TrialError(1.0, f"{r}", 1.0, r, SLOW_MOVE) for r in (0.9, 1.5, 2.7))
+BESIDE = tuple(TrialError(1.0 + r, "", 1.0, r, SWEEP[1]) for r in (0.9, 1.5, 2.7))
 COARSE = Drive("lugre", "lugre", {"F_c": 6.0, "sigma_0": 6e5})
 RIGID = Drive("rigid", "coulomb_stribeck", {"F_c": 6.0, "F_s": 9.0})
 FAST = cosim.Trapezoid(height=0.04, slope=0.8, plateau=0.1, begin=0.1)
@@ -916,7 +917,8 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "harm.WORSE": (lambda: MotionErrors((TrialError(1.0, "", 1.0, 1.03),)).is_worse, True, False),
     "harm.DRIVES/2": (lambda: MotionErrors(WORSE_ON_SOME).is_worse, True, False),
     "harm.MORE": (lambda: MotionErrors(WORSE_ON_SOME).is_worse, True, False),
-    "harm.SLOWLY": (lambda: is_harmless(SLOW_MOVES, 1.0), False, True),
+    "harm.SLOWLY": (lambda: harmful(SLOW_MOVES, 1.0), (SLOW_MOVES[1], 1.3), None),
+    "harm.PERSISTS": (lambda: harmful(BESIDE, 3.0), (BESIDE[1], 1.2), None),
     "harm.SCATTER": (lambda: MotionErrors(WORSE_ON_ONE).is_worse, True, False),
     "harm.RESOLVED": (lambda: "elasto_plastic" in evidence(0.05), True, False),
     "harm.RESOLVED/2": (lambda: len(later()), 2, 0),

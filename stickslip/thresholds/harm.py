@@ -18,6 +18,10 @@ SLOWLY = Threshold(
     1.3, "decision 157: 1.76 and 2.16 on two drives that were worse, 1.40 at most on sound ones"
 )
 """Largest ratio on the median of the drives in a small move as slow as the loop."""
+PERSISTS = Threshold(
+    1.2, "decision 174: 1.25 to 2.4 on four drives that were worse, 1.22 at most on sound ones"
+)
+"""Largest ratio on one drive in most of three small moves, or creeps, beside each other."""
 FALLS = Threshold(0.7, "docs/adaptation.md: friction drifts by up to 30 % with temperature")
 """Least friction that the drive may come to have, over that in the log, unless a range is given."""
 GROWS = Threshold(1.3, "docs/adaptation.md: friction drifts by up to 30 % with temperature")

@@ -197,15 +197,30 @@ def by_motion(rows: Iterable[TrialError], *, apart: bool = False) -> list[Motion
     return [MotionErrors(tuple(one)) for one in found.values()]
 
 
-def is_harmless(swept: Rows, most: float) -> bool:
-    """Tell whether no run of a sweep is above ``most``, nor a slow small move on most drives.
+def harmful(swept: Rows, most: float) -> tuple[TrialError, float] | None:
+    """Return a run of a sweep that decides against a compensator, and the limit that it exceeds.
 
-    On single drives a slow move is chance: the loop just breaks away, or just does not.
+    No run may be above ``most``. In a slow small move single drives are chance: the loop just
+    breaks away, or just does not. There the median of the drives decides; and for each drive that
+    of three motions beside each other.
     """
-    slow = [row for row in swept if row.command == SLOW_MOVE]
-    return all(row.ratio <= most for row in swept if row.command != SLOW_MOVE) and all(
-        one.median.ratio <= harm.SLOWLY for one in by_motion(slow, apart=True)
+    slow, fast = [], []
+    of_drive: dict[tuple[str, ...], list[TrialError]] = {}
+    for row in swept:
+        (slow if row.command == SLOW_MOVE else fast).append(row)
+        of_drive.setdefault((row.drive, row.command, row.figure), []).append(row)
+    ordered = [sorted(rows, key=lambda row: row.speed) for rows in of_drive.values()]
+    beside = chain.from_iterable(zip(rows, rows[1:], rows[2:], strict=False) for rows in ordered)
+    limits = (
+        (fast, most),
+        ((one.median for one in by_motion(slow, apart=True)), harm.SLOWLY),
+        ((MotionErrors(three).median for three in beside), harm.PERSISTS),
     )
+    for rows, limit in limits:
+        worst = max(rows, key=lambda row: row.ratio, default=None)
+        if worst and worst.ratio > limit:
+            return worst, limit
+    return None
 
 
 @dataclass(frozen=True)
@@ -240,9 +255,14 @@ class Benefit:
         return 2.0 - self.mean_ratio
 
     @cached_property
+    def harmed(self) -> tuple[TrialError, float] | None:
+        """The run of the sweep that decides against it, and the limit; None if none does."""
+        return harmful(self.swept, self.most)
+
+    @property
     def is_safe(self) -> bool:
-        """Whether no run of the sweep is worse by more, nor most drives in a slow move."""
-        return is_harmless(self.swept, self.most)
+        """Whether it harms nowhere in the sweep."""
+        return self.harmed is None
 
     def shown(self, row: TrialError) -> tuple[float, str]:
         """Return the factor from SI to the unit in which a row is shown, and that unit."""
@@ -269,11 +289,11 @@ class Benefit:
     @property
     def reason(self) -> str:
         """Where the error grows most: in the sweep, or with the whole force."""
-        rows, force = (self.full, "with the whole force")
-        if not self.is_safe:
-            rows, force = self.swept, f"at {self.share:g} of its force"
-        motion = max(by_motion(rows), key=lambda one: one.worst.ratio)
-        row = motion.worst
+        motion = max(by_motion(self.full), key=lambda one: one.worst.ratio)
+        row, force = motion.worst, "with the whole force"
+        if self.harmed:
+            row, force = self.harmed[0], f"at {self.share:g} of its force"
+            motion = MotionErrors((row,))
         speed = speed_text(row.speed, rotary="rad" in self.unit)
         where = f"at {speed}"
         if row.command in (CREEP, *MOVES, *SWEEP):
@@ -312,7 +332,7 @@ class Benefit:
     @property
     def refusal(self) -> str:
         """Why a compensator that is not acceptable is refused, and what to do."""
-        most = harm.WORSE if self.is_safe else self.most
+        most = self.harmed[1] if self.harmed else harm.WORSE
         return (
             f"{self.reason}; expected at most {most:.3g} times, and no share of the force"
             f" down to {SHARES[-1]:g} keeps that; raise K_p, learn from a log that shows more, or"
@@ -472,7 +492,7 @@ class Bench:
                 without = list(map(max, without, relative))
             found += (own := rows_of(cells, without, self._errors(variant, cells)))
             self._worst[command] = max(row.ratio for row in own)
-            if not is_harmless(own, most):
+            if harmful(own, most):
                 break
         return found
 

@@ -18,7 +18,7 @@ from stickslip.servo.sensitivity import OpenLoop
 from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_filter import Observer, VelocityFilter
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
-from stickslip.thresholds import offer
+from stickslip.thresholds import harm, offer
 from stickslip.trial import benefit as trial_benefit
 from stickslip.trial.benefit import (
     Bench,
@@ -28,7 +28,7 @@ from stickslip.trial.benefit import (
     bench_of,
     best_of,
     feedforward,
-    is_harmless,
+    harmful,
 )
 from stickslip.trial.candidates import (
     CompensatorComparison,
@@ -235,11 +235,24 @@ def moves(*ratios: float, name: str = SLOW_MOVE, speed: float = 1.0) -> tuple[Tr
 
 
 def test_in_a_slow_move_most_drives_decide_and_in_others_each():
-    assert is_harmless(moves(1.2, 1.2, 2.5), 1.1)
-    assert not is_harmless(moves(1.4, 1.4, 1.0), 1.5)
-    assert not is_harmless((*moves(1.4, 1.4), *moves(1.0, 1.0, 1.0, speed=2.0)), 1.5)
-    assert is_harmless(moves(1.2, 1.2, 1.4, name=SWEEP[0]), 1.5)
-    assert not is_harmless(moves(1.0, 1.0, 1.2, name=SWEEP[0]), 1.1)
+    assert not harmful(moves(1.2, 1.2, 2.5), 1.1)
+    assert harmful(moves(1.4, 1.4, 1.0), 1.5)[1] == 1.3
+    assert harmful((*moves(1.4, 1.4), *moves(1.0, 1.0, 1.0, speed=2.0)), 1.5)
+    assert not harmful(moves(1.2, 1.2, 1.4, name=SWEEP[0]), 1.5)
+    assert harmful(moves(1.0, 1.0, 1.2, name=SWEEP[0]), 1.1)[1] == 1.1
+
+
+@pytest.mark.parametrize("name", SWEEP)
+def test_one_drive_decides_where_most_of_three_motions_beside_each_other_are_worse(name):
+    def swept(*ratios):
+        every = enumerate(ratios)
+        return sum((moves(0.5, one, 0.5, name=name, speed=1.0 + k) for k, one in every), ())
+
+    assert not harmful(swept(1.4, 1.0, 1.0, 1.4, 1.0), 1.5)
+    assert harmful(swept(1.0, 1.3, 0.9, 1.4, 1.0), 1.5) == (swept(0.0, 1.3)[4], harm.PERSISTS)
+    found = Benefit(0.7, moves(0.5), moves(0.6), swept=swept(1.3, 1.3, 1.1))
+    assert f"at 0.7 of its force the simulated tracking error in {name} of" in found.refusal
+    assert "1.3 times that without the compensator; expected at most 1.2 times" in found.refusal
 
 
 def test_a_rise_along_the_way_lets_no_drive_jump():
