@@ -204,10 +204,10 @@ def harmful(swept: Rows, most: float) -> tuple[TrialError, float] | None:
     breaks away, or just does not. There the median of the drives decides; and for each drive that
     of three motions beside each other.
     """
-    slow, fast = [], []
+    slow = [row for row in swept if row.command == SLOW_MOVE]
+    fast = [row for row in swept if row.command != SLOW_MOVE]
     of_drive: dict[tuple[str, ...], list[TrialError]] = {}
     for row in swept:
-        (slow if row.command == SLOW_MOVE else fast).append(row)
         of_drive.setdefault((row.drive, row.command, row.figure), []).append(row)
     ordered = [sorted(rows, key=lambda row: row.speed) for rows in of_drive.values()]
     beside = chain.from_iterable(zip(rows, rows[1:], rows[2:], strict=False) for rows in ordered)
