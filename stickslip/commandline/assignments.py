@@ -18,12 +18,14 @@ def add_set_option(parser: ArgumentParser, what: str = "") -> None:
 
 def add_law_option(parser: _ActionsContainer, *further: str, more: str = "") -> None:
     """Declare ``--law``, the friction law; the first of the further choices is the default."""
+    from stickslip.catalog.parameters import learnable_laws
     from stickslip.models import law_names
 
     default, *_ = *further, "lugre"
     parser.add_argument(
         "--law",
-        choices=[*law_names(), *further],
+        choices=[*law_names(), *further],  # the others are refused with the reason
+        metavar=f"{{{','.join([*learnable_laws(), *further])}}}",
         default=default,
         help=f"friction law of the compensator (default {default}){more}",
     )

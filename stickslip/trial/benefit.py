@@ -290,7 +290,7 @@ class Benefit:
     def reason(self) -> str:
         """Where the error grows most: in the sweep, or with the whole force."""
         motion = max(by_motion(self.full), key=lambda one: one.worst.ratio)
-        row, force = motion.worst, "with the whole force"
+        row, force = motion.worst, f"with the whole force{self._alone}"
         if self.harmed:
             row, force = self.harmed[0], f"at {self.share:g} of its force"
             motion = MotionErrors((row,))
@@ -318,6 +318,12 @@ class Benefit:
         )
 
     @property
+    def _alone(self) -> str:
+        """What is told of the whole force of a feedforward with an observer behind it."""
+        both = self.variant.has_feedforward and len(self.variant.chain) > 1
+        return " and no observer" if both else ""
+
+    @property
     def why_less(self) -> str:
         """Why it has a share of its force only; empty where it has the whole."""
         if self.share == 1.0:
@@ -327,7 +333,8 @@ class Benefit:
             return "with which it errs least"
         where = ("at " if worst.command[0].isdigit() else "in ") + worst.command
         friction = "" if worst.level == 1.0 else f" with {worst.level:g} times the friction"
-        return f"with all of it the error {where}{friction} may be {worst.ratio:.2g} times as large"
+        error = f"the error {where}{friction} may be {worst.ratio:.2g} times as large"
+        return f"with all of it{self._alone} {error}"
 
     @property
     def refusal(self) -> str:

@@ -114,7 +114,7 @@ def _learn(task: Task, scale: motion.Scale, progress: Progress) -> Estimation:
             why = _not_explained(corrected, start)
             if why and task.settings.criterion == "auto" and at_rest:
                 criterion = InverseModel.name
-                reason = f"{why}, so the drive has what the model has not, and the force decides"
+                reason = f"{why}, so there is what the model has not, and the force decides"
         progress.stage("assessing identifiability")
         step(0, 3)
         # Beside the loop, only sliding motion tells mass and friction apart whatever the law.

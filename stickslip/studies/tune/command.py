@@ -110,7 +110,8 @@ def _of_drive(
     print(parameters(found).text())
     for figure, table in tables.errors(found.benefit) if found.is_better else ():
         print(
-            f"\nRMS error of {figure} over that of the present loop, median of simulated drives"
+            f"\nRMS error of {figure} against the command over that of the present loop, median"
+            " of simulated drives"
             f" (where that of the true one is expected):\n{table.text()}"
         )
     if found.on_rig:

@@ -37,10 +37,11 @@ MEANT = {
     "velocity": "Velocity, differences of the same signals",
     "closed_loop_force": "{0}, recorded against commanded in the simulated loop",
 }
+LONGEST = 300  # log [s] of which an experiment of twice the duration is proposed
 MEANINGS = {
     "parameters.csv": "the parameters with units and intervals, unrounded, in SI units",
     "learned.json": "the same with criterion, relative errors, seed and versions",
-    "compensator.fmu": "the tuned compensator, from the controller's commands to the force to add",
+    "compensator.fmu": "the compensator, from the controller's commands to the force to add",
     "observer.fmu": "the disturbance observer, to be added after the compensator",
     "position_force.fmu": "gravity and cogging, from the position to the force to add: after the "
     "compensator and before the observer",
@@ -158,8 +159,10 @@ def use(estimation: Estimation, beside: Collection[str], *, forced: bool = False
     check, blocks = estimation.controller, {"compensator.fmu", "observer.fmu"} & {*beside}
     known_loop = check is not None and check.error <= control_match.EXACT
     tunes = known_loop and bool(blocks) and "learned.json" in beside
+    recorded = estimation.recording.t[-1] - estimation.recording.t[0]
+    longer = 2 * min(math.ceil(recorded), LONGEST)  # most of the default plan goes to what is vague
     values: dict[str, object] = {"files": files, "exports": exports, "vague": vague, "tunes": tunes}
-    return _section(estimation, "Using the result", "use", None, **values)
+    return _section(estimation, "Using the result", "use", None, longer=longer, **values)
 
 
 def compensation(compared: CompensatorComparison) -> Section:

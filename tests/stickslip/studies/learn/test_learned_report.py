@@ -175,7 +175,9 @@ def test_what_is_not_visible_is_not_praised_and_an_experiment_is_named(written):
     assert re.search(rf"Identifiable: [^.]*{letter}", text) is None
     assert f"≈ {number(estimation.known[name].value, 2)}".replace("\u00a0", " ") in text
     motion = " --motion rotary" if kind == "rotary" else ""
-    assert f"stickslip plan --show {name}{motion}" in text
+    recorded = estimation.recording.t[-1] - estimation.recording.t[0]
+    longer = f"--duration {2 * np.ceil(recorded):.0f}"
+    assert f"stickslip plan --show {name} {longer}{motion}" in text
 
 
 def test_pictures_show_units_of_the_drive(written):
