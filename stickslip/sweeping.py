@@ -34,6 +34,7 @@ from stickslip.ga.problem.problem import Array
 from stickslip.keywords import RunOptions, named
 from stickslip.simulation import Model
 
+_RANGE = "(lowest, highest) or (lowest, start, highest)"
 _log = logging.getLogger(__name__)
 
 NEAR = 0.01  # share of a range at its ends; a least cost there may be an end, not a minimum
@@ -207,10 +208,10 @@ def optimise(
             low, high = three
             three.insert(1, min(max(model.start(name), low), high))
         if len(three) != 3:
-            raise UsageError(f"{name}: expected (lowest, start, highest), got {tuple(span)}")
+            raise UsageError(f"{name}: expected {_RANGE}, got {tuple(span)}")
         low, start, high = three
         if not low <= start <= high or low == high:
-            raise UsageError(f"{name}: expected lowest <= start <= highest, got {tuple(span)}")
+            raise UsageError(f"{name}: expected {_RANGE} that grow, got {tuple(span)}")
         target = model.target(name)
         if (kind := model.system.variable(target).type) not in FLOATS:
             raise UsageError(f"{name}: expected a real number to search, got one of type {kind}")

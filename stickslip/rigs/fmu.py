@@ -24,7 +24,7 @@ class FmuRig(Rig):
 
     Parameters
     ----------
-    fmus : folder with drive.fmu and the FMUs of the loop
+    fmus : folder with drive.fmu, stage.fmu and the FMUs of the loop
     datasheet : what is known of it
     T_s : sample period of commands and logs [s]
     law : friction law of the compensator, with which the FMUs were built
@@ -35,14 +35,14 @@ class FmuRig(Rig):
 
     def __init__(
         self,
-        fmus: Path,
+        fmus: Path | str,
         datasheet: Datasheet,
         T_s: float,
         law: str = "lugre",
         limits: RigLimits | None = None,
     ) -> None:
         super().__init__(datasheet, T_s, limits, law)
-        self.fmus = fmus
+        self.fmus = Path(fmus)
 
     def move(self, command: Command) -> Log:
         """Simulate a motion."""

@@ -127,6 +127,20 @@ def test_a_law_without_parameters_that_an_experiment_shows_is_not_learned(capsys
         ss.LearnSettings(law="armstrong")
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "says"),
+    [
+        ("criterion", "output", "criterion: expected auto or inverse or loop, got output"),
+        ("absent", ["encode"], "absent: expected encoder or motor_force, got encode"),
+        ("friction_range", "a", "friction_range: expected a number, got 'a'"),
+        ("friction_range", (0.5, 1, 2), r"with 1 between them; got 0\.5 1\.0 2\.0"),
+    ],
+)
+def test_settings_that_cannot_be_are_named(name, value, says):
+    with pytest.raises(StickslipError, match=says):
+        ss.LearnSettings(**{name: value})
+
+
 def test_without_words_the_help_is_shown(capsys):
     assert run() == 0
     assert capsys.readouterr().out.startswith("usage: stickslip")

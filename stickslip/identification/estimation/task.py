@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from stickslip.catalog.parameters import check_learnable, friction_law
-from stickslip.errors import UsageError
+from stickslip.errors import UsageError, number
 from stickslip.identification.criteria.controller_check import ControllerCheck
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import OutputError, is_running
@@ -19,7 +19,9 @@ from stickslip.logs import Finding, Recording
 from stickslip.planning import LINEAR, Limits
 from stickslip.thresholds import control_match, harm
 
-CriterionName = Literal["auto", "output error", "inverse model"]
+CriterionName = Literal["auto", "loop", "inverse"]
+CRITERIA = {"loop": OutputError.name, "inverse": InverseModel.name}
+SIGNALS = ("encoder", "motor_force")  # that a controller may not have
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,8 @@ class LearnSettings:
     Attributes
     ----------
     law : of the catalogue, or ``auto`` for the one that predicts best where it is not fitted
-    criterion : compares candidates with the recording; ``auto`` takes the one that it allows
+    criterion : compares candidates with the recording: ``loop``, the output error of the simulated
+        closed loop, ``inverse``, the force that the motion implies, or ``auto`` for what it allows
     seed : of the search
     search : which algorithm searches, and where it runs
     compensator : what is written: ``auto`` for the best on the drives that the log supports, or a
@@ -54,11 +57,18 @@ class LearnSettings:
     def __post_init__(self) -> None:
         if self.law != "auto":
             check_learnable(self.law)
-        least, largest = self.friction_range
-        if not 0.0 < least <= 1.0 <= largest < np.inf:
+        for name, given, known in (
+            ("criterion", {self.criterion}, {"auto", *CRITERIA}),
+            ("absent", {*self.absent}, {*SIGNALS}),
+        ):
+            if wrong := given - known:
+                got = ", ".join(map(str, wrong))
+                raise UsageError(f"{name}: expected {' or '.join(sorted(known))}, got {got}")
+        ends = [number("friction_range", one) for one in self.friction_range]
+        if len(ends) != 2 or not 0.0 < ends[0] <= 1.0 <= ends[1] < np.inf:
             raise UsageError(
-                f"<friction_range>: expected the least and the largest friction over that in the "
-                f"log, such as 0.7 1.3, with 1 between them; got {least:g} {largest:g}"
+                "<friction_range>: expected the least and the largest friction over that in the "
+                f"log, such as 0.7 1.3, with 1 between them; got {' '.join(map(str, ends))}"
             )
 
     @property
@@ -88,13 +98,13 @@ class Task:
 def choose(task: Task, check: ControllerCheck | None) -> tuple[str, str]:
     """Return the criterion and why."""
     loop, inverse = OutputError.name, InverseModel.name
-    if task.settings.criterion == loop and check is None:
+    if task.settings.criterion == "loop" and check is None:
         raise UsageError(
             "the output error needs the controller that made the log: give its gains, "
             "or use the inverse model as the criterion"
         )
     if task.settings.criterion != "auto":
-        return task.settings.criterion, "asked for"
+        return CRITERIA[task.settings.criterion], "asked for"
     if task.recording.friction is not None and task.recording.force is None:
         return inverse, "friction itself was measured"
     law = friction_law(task.settings.law)

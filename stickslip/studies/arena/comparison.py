@@ -64,7 +64,12 @@ def make_plan(
         if not (isinstance(given, int) and given >= least):
             raise UsageError(f"<{name} {given!r}>: expected a whole number, at least {least}")
     parts = tuple(own_part(Path(fmu), _path(ports)) for fmu, ports in (own or {}).items())
-    names = [*(compensators or default_names()), *(part.name for part in parts)]
+    names = [
+        *(default_names() if compensators is None else compensators),
+        *(part.name for part in parts),
+    ]
+    if not names:
+        raise UsageError("compensators: expected one or more, got none")
     plan = Plan(
         [drive for drive in found if not only or drive.name in only],
         list(dict.fromkeys(names)),
@@ -185,6 +190,8 @@ def arena(
     UsageError
         When a law, a compensator or a drive is unknown.
     """
+    if resume and folder is None:
+        raise UsageError("<resume>: expected the folder in which the cells are kept")
     plan = make_plan(compensators, drives, **options)
     place = where or ("threads" if workers == 1 else "processes")
     with ExitStack() as stack:

@@ -40,17 +40,12 @@ from stickslip.storage import reserved
 from stickslip.thresholds import harm
 
 if TYPE_CHECKING:
-    from stickslip.identification.estimation import CriterionName, Estimation
+    from stickslip.identification.estimation import Estimation
     from stickslip.logs import Description, Finding
     from stickslip.studies.learn.folder import Written
     from stickslip.studies.learn.learned import LearnedFromRecording
     from stickslip.studies.learn.predicted_logs import PredictedLog
 
-CRITERIA: dict[str, CriterionName] = {
-    "auto": "auto",
-    "loop": "output error",
-    "inverse": "inverse model",
-}
 FIGURES = {
     "force": "force, inverse model",
     "force_unfiltered": "force, inverse model, recorded force unfiltered",
@@ -75,7 +70,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     search = commandline.add_rare_group(parser, "the search")
     search.add_argument(
         "--criterion",
-        choices=sorted(CRITERIA),
+        choices=("auto", "inverse", "loop"),
         default="auto",
         help="loop: output error of the simulated closed loop; inverse: force predicted from the "
         "motion; auto: the one that the log allows",
@@ -185,7 +180,7 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             progress=progress,
             validate=options.validate or (),
             law=options.law,
-            criterion=CRITERIA[options.criterion],
+            criterion=options.criterion,
             seed=options.seed,
             search=Search(options.algorithm, workers=options.workers),
             compensator=options.compensator,

@@ -105,7 +105,7 @@ class LearnedFromRecording(Learned):
         ]
         heads = ("parameter", "unit", "", "value", "low", "high")
         refused = [f"compensator not written: {self.refusal}"] if self.refusal else []
-        lines = [f"written: {self.writes() or 'no compensation'}", *refused, *self.warnings]
+        lines = [f"recommended: {self.writes() or 'no compensation'}", *refused, *self.warnings]
         caption = f"{self.estimation.law.title} in {self.estimation.recording.source}"
         return html_table(heads, rows, caption, words=3) + "".join(
             f"<p>{escaped(line)}</p>" for line in lines

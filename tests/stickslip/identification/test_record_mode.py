@@ -211,7 +211,7 @@ def test_a_force_of_the_wrong_sign_and_missing_gains_are_told(recorded, candidat
     turned = replace(recording, force=-np.asarray(recording.force))
     with pytest.raises(IdentificationError, match="signs"):
         learn(Task(candidates, turned))
-    loop = LearnSettings(law="lugre", criterion="output error")
+    loop = LearnSettings(law="lugre", criterion="loop")
     with pytest.raises(UsageError, match="needs the controller"):
         learn(Task(candidates, recording, settings=loop))
 

@@ -176,7 +176,7 @@ def test_learn_gives_the_drive_without_it_and_writes_its_block(tmp_path) -> None
     def design(_: Estimation) -> Loops:
         raise ControlError("there is no loop")
 
-    settings = LearnSettings(law="coulomb_stribeck", criterion="inverse model")
+    settings = LearnSettings(law="coulomb_stribeck", criterion="inverse")
     short = moved(COGGING, F_0=1.5 * F_C).part(0, 20_000)
     learned = learn_recording(short, None, design, (), settings)
     known, found = learned.estimation.known, learned.estimation.position_force
