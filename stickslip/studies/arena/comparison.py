@@ -196,10 +196,15 @@ def arena(
     place = where or ("threads" if workers == 1 else "processes")
     with ExitStack() as stack:
         kept = Path(folder) if folder else stack.enter_context(temporary_folder())
-        found = run_arena(
-            plan,
-            kept,
-            Execution(workers, place, resume=resume),
-            lambda done, of, cell: progress(done, of, cell.name),
-        )
+        try:
+            found = run_arena(
+                plan,
+                kept,
+                Execution(workers, place, resume=resume),
+                lambda done, of, cell: progress(done, of, cell.name),
+            )
+        except KeyboardInterrupt:
+            if folder is None:
+                raise KeyboardInterrupt("interrupted; without a folder nothing is kept") from None
+            raise
     return Comparison(found, arena_table(found))

@@ -123,6 +123,9 @@ class TunedDrive:
     steps: tuple[Step, ...] = ()  # within the limits, the best loop last
     on_rig: RigTrial | None = None  # what a drive showed of the steps
 
+    def __repr__(self) -> str:
+        return f"TunedDrive({self.sentence})"
+
     @property
     def benefit(self) -> Benefit:
         """The errors relative to those of the present loop."""

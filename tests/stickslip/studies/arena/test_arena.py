@@ -26,6 +26,7 @@ from stickslip.servo.chain_response import ChainResponse
 from stickslip.servo.sensitivity import peak_sensitivity
 from stickslip.servo.velocity_loop import close_velocity_loop
 from stickslip.storage import UNFINISHED
+from stickslip.studies.arena import comparison as arena_comparison
 from stickslip.studies.arena import page as arena_page
 from stickslip.studies.arena import protocol
 from stickslip.studies.arena.comparison import Comparison
@@ -568,3 +569,16 @@ def test_reversals_at_rest_are_counted_where_they_exceed_the_encoder():
         found = figures(command, replace(run, x=swing), LOOP)
         assert found["reversals at rest"][0] == expected
         assert found["error"][0] == pytest.approx(2.0 * size, rel=0.01)
+
+
+def test_without_a_folder_nothing_is_kept_and_nothing_goes_on(monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt("interrupted; 2 of 4 cells are kept in a folder")
+
+    monkeypatch.setattr(arena_comparison, "run_arena", interrupted)
+    with pytest.raises(KeyboardInterrupt, match="without a folder nothing is kept"):
+        arena_of(["pi"], only=["lugre"])
+    with pytest.raises(UsageError, match="the folder in which the cells are kept"):
+        arena_of(["pi"], only=["lugre"], resume=True)
+    with pytest.raises(UsageError, match="compensators: expected one or more, got none"):
+        arena_of([], only=["lugre"])
