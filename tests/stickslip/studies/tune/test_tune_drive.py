@@ -221,6 +221,7 @@ def test_where_nothing_is_better_the_present_loop_stays(learned, capsys):
     assert found.best is found.start
     assert set(found.ratios.values()) == {1.0}
     assert "stays as it is" in found.sentence
+    assert repr(found) == f"TunedDrive({found.sentence})"
     words = ["--set-range", "controller.K_p=100:200", "--evaluations", "12", "--workers", "1"]
     assert cli.main(["tune", str(found.learned.path), *words]) == 0
     printed = capsys.readouterr().out
