@@ -104,7 +104,7 @@ class LearnedFromRecording(Learned):
             for one in self.table().to_dict("records")
         ]
         heads = ("parameter", "unit", "", "value", "low", "high")
-        refused = [f"compensator not written: {self.refusal}"] if self.refusal else []
+        refused = [f"not recommended: {self.refusal}"] if self.refusal else []
         lines = [f"recommended: {self.writes() or 'no compensation'}", *refused, *self.warnings]
         caption = f"{self.estimation.law.title} in {self.estimation.recording.source}"
         return html_table(heads, rows, caption, words=3) + "".join(
