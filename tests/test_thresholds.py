@@ -316,19 +316,30 @@ def samples_per_row(rate, noise):
     return inverse_model.row_length(recording)
 
 
-def curve():
-    """Return the forces beside a law that sliding shows, with ripple of 9 standard errors.
+def estimated(variance=1.0):
+    """Return a curve with friction of 1 N, and ripple of 9 standard errors.
 
     It is None for a motion that gives no curve.
     """
-    estimate = np.ones(4), np.eye(4), np.array([9.0, 0.0, 0.0]), np.ones(3)
+    estimate = np.ones(4), variance * np.eye(4), np.array([9.0, 0.0, 0.0]), np.ones(3)
     x = np.sin(np.linspace(0.0, 30.0, 4000))
     with (
         patch.object(friction_curve._Rows, "estimate", lambda *_: estimate),
         patch.object(friction_curve._Rows, "speeds", lambda *_: np.ones(1)),
     ):
-        found = friction_curve.friction_curve(x, x, T_S, 1e-6)
+        return friction_curve.friction_curve(x, x, T_S, 1e-6)
+
+
+def curve():
+    """Return the forces beside a law that sliding shows."""
+    found = estimated()
     return found and set(found.varying)
+
+
+def constant_force():
+    """Return the half-width of the interval of a constant force that is known exactly."""
+    found = estimated(1e-12).offset
+    return round(found.high - found.value, 6)
 
 
 def holds(force=1.0, error=0.01):
@@ -991,6 +1002,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "position_force.CERTAIN": (lambda: holds(0.09), True, False),
     "position_force.SIMPLER/2": (lambda: has_cogging(0.5), True, False),
     "position_force.FALLS": (lambda: falls(1.5), True, False),
+    "curve_shown.OFFSET": (constant_force, 2e-3, 4e-3),
     "curve_shown.EXPONENT": (lambda: static_friction(6.0), 1, 2),
     "curve_shown.BENT": (lambda: gives_rise(4.0), False, True),
     "curve_shown.VARIES": (lambda: not_explained(varying=0.007), True, False),

@@ -8,6 +8,10 @@ CERTAIN = Threshold(
     6.0, "decision 66: 14 and above on three drives with ripple, at most 4 on seven"
 )
 """Force that no law has, in standard errors, above which the drive has it."""
+OFFSET = Threshold(
+    2e-3, "decision 175: two of ten vertical drives were 0.16 % off, known within 0.05 %"
+)
+"""Least half-width of the interval of the constant force, as a share of friction."""
 VARIES = Threshold(5e-3, "decision 66")
 """The same as a share of friction, above which the force decides instead of the simulated loop."""
 CONTRADICTED = Threshold(1.8, "decision 82: 2 to 53 where it did; a sound cascade of 8 s had 1.65")

@@ -138,6 +138,7 @@ def friction_curve(
     if found is None:
         return None
     value, error, width = together(found.values, np.diagonal(found.covariances, axis1=1, axis2=2))
+    width[2] = max(width[2], curve_shown.OFFSET * float(np.median(value[3:])))
     mass, viscous, offset = (
         Interval(*map(float, (value[i], error[i], value[i] - width[i], value[i] + width[i])))
         for i in range(3)
