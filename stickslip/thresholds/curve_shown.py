@@ -9,7 +9,7 @@ CERTAIN = Threshold(
 )
 """Force that no law has, in standard errors, above which the drive has it."""
 OFFSET = Threshold(
-    2e-3, "decision 175: two of ten vertical drives were 0.16 % off, known within 0.05 %"
+    2e-3, "decision 175: 3 of 10 vertical drives were up to 0.16 % off, known within 0.05"
 )
 """Least half-width of the interval of the constant force, as a share of friction."""
 VARIES = Threshold(5e-3, "decision 66")
