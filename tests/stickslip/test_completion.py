@@ -17,7 +17,7 @@ RUNS = (ss.simulate, ss.sweep, ss.optimise, ss.System.simulate, ss.System.sweep,
 
 @pytest.fixture(scope="module")
 def shell():
-    shell = InteractiveShell()
+    shell = InteractiveShell(warn_venv=False)  # of another one that is active
     shell.user_ns |= {"ss": ss, "system": ss.System("loop")}
     return shell
 
