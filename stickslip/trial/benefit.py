@@ -200,9 +200,9 @@ def by_motion(rows: Iterable[TrialError], *, apart: bool = False) -> list[Motion
 def harmful(swept: Rows, most: float) -> tuple[TrialError, float] | None:
     """Return a run of a sweep that decides against a compensator, and the limit that it exceeds.
 
-    No run may be above ``most``. In a slow small move single drives are chance: the loop just
-    breaks away, or just does not. There the median of the drives decides; and for each drive that
-    of three motions beside each other.
+    No run may be above ``most``, but in slow small moves, where single drives are chance: the loop
+    just breaks away, or just does not. There the median of the drives decides. What is no chance is
+    the median on one drive of three motions beside each other, of any kind.
     """
     slow = [row for row in swept if row.command == SLOW_MOVE]
     fast = [row for row in swept if row.command != SLOW_MOVE]
