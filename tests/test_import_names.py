@@ -52,6 +52,7 @@ if __name__ == "__main__":
         ga.learn(optimiser, cost, executor)
     assert optimiser.best.cost <= 1.0
     assert sorted(ss.__all__) == sorted(name for name in ss.__all__ if getattr(ss, name))
+    assert dir(ss) == sorted([*ss.__all__, "__version__"])
     print(ss.__version__, ss.__file__)
 """
 

@@ -158,8 +158,10 @@ def law_of(compensator: str, law: str, absent: Sequence[str] = ()) -> str:
     """Return the law that is learned for a compensator: with ``auto``, that of its feedforward.
 
     Raises UsageError when the compensator is unknown, or needs what the controller lacks, or
-    training.
+    training, and when no absent signal has such a name.
     """
+    if unknown := {*absent} - SIGNALS.keys():
+        raise UsageError(f"absent: expected {' or '.join(SIGNALS)}, got {', '.join(unknown)}")
     words = compensator.split("+")
     if law == AUTO and words[0] in learnable_laws():
         law = words[0]

@@ -130,8 +130,7 @@ def test_a_law_without_parameters_that_an_experiment_shows_is_not_learned(capsys
 @pytest.mark.parametrize(
     ("name", "value", "says"),
     [
-        ("criterion", "output", "criterion: expected auto or inverse or loop, got output"),
-        ("absent", ["encode"], "absent: expected encoder or motor_force, got encode"),
+        ("criterion", "output", "criterion: expected auto or loop or inverse, got output"),
         ("friction_range", "a", "friction_range: expected a number, got 'a'"),
         ("friction_range", (0.5, 1, 2), r"with 1 between them; got 0\.5 1\.0 2\.0"),
     ],

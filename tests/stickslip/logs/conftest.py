@@ -59,7 +59,7 @@ def check_log(tmp_path, capsys):
 @pytest.fixture(scope="session")
 def drive_log(fmus, loop):
     """Return a function that records the paper's drive under a velocity command (n,)."""
-    rig = FmuRig(fmus, Datasheet(), LOOP.T_s)
+    rig = FmuRig(str(fmus), Datasheet(), LOOP.T_s)
 
     def record(v) -> Recording:
         log = rig.follow(v, loop)

@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 from scipy import signal
 
+import stickslip as ss
 from stickslip.cli import main
 from stickslip.logs import Description, read_and_check
 from stickslip.logs.plausibility import correction
@@ -324,3 +325,12 @@ def test_what_a_controller_commands_in_other_units_of_the_motion_names_them(
     pd.DataFrame(columns | {"force": drive.force}).to_csv(tmp_path / "log.csv", index=False)
     reading = read_and_check(tmp_path / "log.csv", Description(motion=motion))[0]
     assert correction(reading, factor) == f"{advice}, whichever is wrong"
+
+
+def test_a_checked_log_prints_a_line_for_each_finding(tmp_path):
+    drive, path = rigid_drive(n=2500), tmp_path / "log.csv"
+    columns = {"time": drive.t, "position": drive.position, "force": -drive.force}
+    pd.DataFrame(columns).to_csv(path, index=False)
+    reading, findings = checked = ss.check_log(path)
+    assert str(checked).splitlines() == [reading.recording.source, *map(str, findings)]
+    assert "error: the force acts against the motion" in str(checked)

@@ -230,6 +230,11 @@ def test_an_observer_acts_later_where_small_moves_harm(compared, monkeypatch):
     assert later.mean > first.mean
 
 
+def test_a_signal_that_no_controller_lacks_is_named():
+    with pytest.raises(UsageError, match="absent: expected encoder or motor_force, got encode"):
+        law_of("auto", "auto", ["encode"])
+
+
 def moves(*ratios: float, name: str = SLOW_MOVE, speed: float = 1.0) -> tuple[TrialError, ...]:
     return tuple(TrialError(speed, f"drive {k}", 1.0, r, name) for k, r in enumerate(ratios))
 

@@ -160,7 +160,7 @@ def use(estimation: Estimation, beside: Collection[str], *, forced: bool = False
     known_loop = check is not None and check.error <= control_match.EXACT
     tunes = known_loop and bool(blocks) and "learned.json" in beside
     recorded = estimation.recording.t[-1] - estimation.recording.t[0]
-    longer = 2 * min(math.ceil(recorded), LONGEST)  # most of the default plan goes to what is vague
+    longer = 2 * min(math.ceil(recorded), LONGEST)
     values: dict[str, object] = {"files": files, "exports": exports, "vague": vague, "tunes": tunes}
     return _section(estimation, "Using the result", "use", None, longer=longer, **values)
 
