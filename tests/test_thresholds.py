@@ -68,8 +68,10 @@ from stickslip.rigs.limits import RigLimits
 from stickslip.servo import observer
 from stickslip.servo.axis import LOOP, Axis, ControlError, Datasheet
 from stickslip.servo.measurement import smoothed
+from stickslip.servo.systems import Compensator
 from stickslip.servo.velocity_loop import design_velocity_loop
 from stickslip.studies.learn import controller_findings
+from stickslip.studies.learn.document import loaded
 from stickslip.studies.learn.verdict import LoopShare
 from stickslip.studies.tune.on_rig import RigTest
 from stickslip.studies.tune.run import is_unfinished
@@ -367,6 +369,13 @@ def falls(weight):
     log = namespace(beside_friction=lambda: rest, estimates=lambda _: namespace(force=lambda: 1))
     log.aligned = lambda _: (log, None)
     return position_force._shown(log, rotary=False) is not None
+
+
+def left_to_the_loop(weight):
+    """Return the force that an observer leaves to the loop, with friction of 1 N."""
+    estimation = namespace(parameters={"F_0": weight})
+    learned = namespace(estimation=estimation, friction={"F_c": 1.0}, position_force=None)
+    return loaded(Compensator("observer", "dob"), learned).values.get("F_0")  # noqa: PD011
 
 
 def static_friction(deviance):
@@ -1001,6 +1010,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "position_force.SHARE": (lambda: holds(0.015, 1e-4), True, False),
     "position_force.CERTAIN": (lambda: holds(0.09), True, False),
     "position_force.SIMPLER/2": (lambda: has_cogging(0.5), True, False),
+    "position_force.HELD": (lambda: left_to_the_loop(0.15), 0.15, None),
     "position_force.FALLS": (lambda: falls(1.5), True, False),
     "curve_shown.OFFSET": (constant_force, 2e-3, 4e-3),
     "curve_shown.EXPONENT": (lambda: static_friction(6.0), 1, 2),

@@ -1,5 +1,5 @@
 /* Stationary Kalman filter of a servo axis, for models whose memory and parameters carry the names
- * x, v, d, N_last, F_known, F_next and T_s, m, b, tau_i, L_x, L_v, L_d. */
+ * x, v, d, N_last, F_known, F_next and T_s, m, b, tau_i, F_0, L_x, L_v, L_d. */
 #ifndef AXIS_FILTER_H
 #define AXIS_FILTER_H
 
@@ -34,7 +34,7 @@ static inline Period period_of(const Parameters *p) {
 static inline double axis_sample(Memory *w, double x_enc, double F_m, double F_ff,
                                  const Parameters *p) {
     const Period a = period_of(p);
-    const NetForce N = net_force(w, F_m, F_ff, a.keep);
+    const NetForce N = net_force(w, F_m, F_ff, a.keep, p);
     const double force = N.held + w->d;
     const double x = w->x + a.x_v * w->v + a.x_h * force + a.x_e * N.decaying; /* [m] */
     const double v = a.v_v * w->v + a.v_h * force + a.v_e * N.decaying;        /* [m/s] */

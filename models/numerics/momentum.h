@@ -11,7 +11,7 @@
  * that begins. Returns the friction beyond what is known [N], and the velocity *v [m/s]. */
 static inline double unexplained(Memory *w, double x_enc, double F_m, double F_ff, double *v,
                                  const Parameters *p) {
-    const NetForce force = net_force(w, F_m, F_ff, force_kept(p));
+    const NetForce force = net_force(w, F_m, F_ff, force_kept(p), p);
     const double q = p->tau_i > 0.0 ? p->T_s / p->tau_i : 0.0;
     const double falling = q > 0.0 ? elementary_phi2(q) : 0.0;
     const double rising = q > 0.0 ? elementary_phi(q) - falling : 0.0;

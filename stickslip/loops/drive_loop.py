@@ -48,7 +48,7 @@ class DriveLoop:
             learned.loop,
             learned.law,
             learned.feedforward if "compensator.fmu" in files else None,
-            learned.observer if "observer.fmu" in files else None,
+            _unloaded(learned.observer) if "observer.fmu" in files else None,
             share=learned.share,
         )
 
@@ -153,6 +153,11 @@ class DriveLoop:
             observer=_changed(self.observer, genes, loop),
             share=share,
         )
+
+
+def _unloaded(one: Compensator) -> Compensator:
+    """Return an observer for drives without the constant force that it leaves to the controller."""
+    return replace(one, values={name: x for name, x in one.values.items() if name != "F_0"})
 
 
 def _changed(

@@ -9,5 +9,9 @@ CERTAIN = Threshold(6.0, "decision 142")
 SIMPLER = Threshold(0.7, "decision 142")
 """Mean square that a further term, or a longer pitch, leaves, over that without it, above which it
 is not considered."""
+HELD = Threshold(
+    0.1, "decision 176: asymmetry of friction looks like up to 0.1 of it on 120 drives"
+)
+"""Constant force over friction from which on an observer leaves it to the controller."""
 FALLS = Threshold(1.0, "an axis that friction holds at rest needs no force")
 """Constant force over friction from which on it is a weight."""

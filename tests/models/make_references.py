@@ -381,7 +381,7 @@ def lagging_motion(p: Parameters) -> Columns:
         state.append(move @ [*state[-1][:4], force, known])
     x, _, F_m, F_known, *_ = np.transpose(state)
     x_enc = np.rint(x / 4e-7) * 4e-7
-    return {"time": t, "x_enc": x_enc, "F_m": F_m, "F_in": F_ff, "N": F_m - F_known}
+    return {"time": t, "x_enc": x_enc, "F_m": F_m + p["F_0"], "F_in": F_ff, "N": F_m - F_known}
 
 
 def predictor(p: Parameters, N: np.ndarray) -> Callable[[int, np.ndarray], np.ndarray]:
@@ -503,7 +503,7 @@ def adaptive_scale(p: Parameters) -> Columns:
     """Scale known friction beside a reference that reverses; the axis moves in one direction."""
     given, residual = lagging_motion(p), momentum(p)
     given.pop("N")
-    x, f, F_m = given["x_enc"], given["F_in"], given["F_m"]
+    x, f, F_m = given["x_enc"], given["F_in"], given["F_m"] - p["F_0"]
     v_r = 0.05 * np.sin(2 * np.pi * 14.0 * given["time"] - 0.4) + 0.01
     share, fade = 1.0 - np.exp(-p["rate"] * STEP), np.exp(-STEP / p["tau_i"])
     s, square, known, sign, q, start = p["s_0"], 0.0, 0.0, 0.0, 0.0, 0.0

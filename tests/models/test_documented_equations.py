@@ -25,6 +25,8 @@ CASES = [
     *(("momentum_observer", {"share": share, "mu": 1.4, "a_0": 3.0}) for share in SHARES),
     *(("momentum_observer", {"share": share, "coulomb": 0.0}) for share in SHARES),
     *(("momentum_observer", {"share": share, "measured": 1.0}) for share in SHARES),
+    *((name, {"F_0": 9.0}) for name in ("dob", "coulomb_observer", "momentum_observer")),
+    *((name, {"F_0": -9.0}) for name in ("velocity_filter", "adaptive_scale")),
     ("dob", {"onset": 5e-6}),
     ("coulomb_observer", {"onset": 1e-5, "a_0": 3.0, "k_a": 0.2}),
     ("momentum_observer", {"onset": 1e-5, "a_0": 3.0}),

@@ -32,9 +32,9 @@ void model_start(double t, States *x, Memory *w, const Inputs *u, const Paramete
     const double s = p->s_0;
     *w = (Memory){.k = first_sample(t, p->T_s),
                   .x_last = u->x_enc,
-                  .N_last = u->F_m,
-                  .N_before = 0.5 * u->F_m,
-                  .N = u->F_m,
+                  .N_last = u->F_m - p->F_0,
+                  .N_before = 0.5 * (u->F_m - p->F_0),
+                  .N = u->F_m - p->F_0,
                   .s = s < p->least  ? p->least
                        : s > p->most ? p->most
                                      : s,

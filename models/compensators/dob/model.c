@@ -10,7 +10,7 @@ static void sample(Memory *w, const Inputs *u, const Parameters *p) {
 #include "numerics/sampled.h"
 
 void model_start(double t, States *x, Memory *w, const Inputs *u, const Parameters *p) {
-    *w = (Memory){.k = first_sample(t, p->T_s), .x = u->x_enc, .N_last = u->F_m};
+    *w = (Memory){.k = first_sample(t, p->T_s), .x = u->x_enc, .N_last = u->F_m - p->F_0};
 }
 
 void model_outputs(double t, const States *x, const Memory *w, const Inputs *u, const Parameters *p,

@@ -27,9 +27,9 @@ static void sample(Memory *w, const Inputs *u, const Parameters *p) {
 void model_start(double t, States *x, Memory *w, const Inputs *u, const Parameters *p) {
     *w = (Memory){.k = first_sample(t, p->T_s),
                   .x_last = u->x_enc,
-                  .N_last = u->F_m,
-                  .N_before = 0.5 * u->F_m,
-                  .N = u->F_m,
+                  .N_last = u->F_m - p->F_0,
+                  .N_before = 0.5 * (u->F_m - p->F_0),
+                  .N = u->F_m - p->F_0,
                   .a = p->a_0,
                   .v_last = u->v_r};
 }

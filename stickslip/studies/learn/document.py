@@ -1,16 +1,20 @@
 """The content of learned.json of a recording or log: what was learned, and how it was tried."""
 
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from stickslip.catalog.parameters import start_unit, unit_of
 from stickslip.evaluation.motions import VALIDATION
 from stickslip.learned import writing
+from stickslip.models import load_model
 from stickslip.models.export.units import motion_unit
 from stickslip.output import plain
+from stickslip.servo.systems import Compensator
 from stickslip.storage.codec import encode, state
 from stickslip.studies.learn import tables
 from stickslip.studies.learn.learned import LearnedFromRecording
+from stickslip.thresholds import position_force
 from stickslip.trial.benefit import Benefit
 from stickslip.trial.candidates import Row
 
@@ -120,6 +124,15 @@ def log_document(learned: LearnedFromRecording) -> dict[str, Any]:
     }
 
 
+def loaded(observer: Compensator, learned: LearnedFromRecording) -> Compensator:
+    """Return an observer that leaves a weight, which the drives of the trial lack, to the loop."""
+    F_0, known = learned.estimation.parameters["F_0"], load_model(observer.model).variables
+    is_weight = abs(F_0) > position_force.HELD * learned.friction["F_c"]
+    if learned.position_force or not is_weight or all(one.name != "F_0" for one in known):
+        return observer
+    return replace(observer, values={**observer.values, "F_0": F_0})
+
+
 def _share_entry(benefit: Benefit) -> dict[str, Any]:
     """Return the share of the whole force, and why it is not the whole."""
     reason = {"reason": benefit.reason} if benefit.share < 1.0 else {}
@@ -130,7 +143,7 @@ def _observer_entry(learned: LearnedFromRecording, chosen: Row, *, rotary: bool)
     """Return the observer that is written, or why there is none."""
     entry: dict[str, Any] = {"refusal": learned.observer_refusal}
     if designed := chosen.designed:
-        component = writing.component_entry(designed.observer, rotary=rotary)
+        component = writing.component_entry(loaded(designed.observer, learned), rotary=rotary)
         if component["model"] == writing.OBSERVER_MODEL:
             del component["model"]
         entry |= {

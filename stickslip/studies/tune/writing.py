@@ -90,6 +90,8 @@ def tuned_document(found: TunedDrive) -> dict[str, Any]:
             document |= {"share": share, "compensator": state(whole, units, of_drive)}
     if best.observer:
         entry = component_entry(best.observer, rotary=learned.rotary)
+        known = document["observer"]["parameters"]
+        entry["parameters"] = {**known, **entry["parameters"]}
         document["observer"] = {**document["observer"], **entry}
         peaks = {"peak_sensitivity": {"value": found.Ms[1], "unit": "1"}}
         document["observer"] |= peaks

@@ -16,6 +16,8 @@ from fmpy import read_model_description
 from stickslip.cli import main
 from stickslip.cosim import Fmu
 from stickslip.identification.fitting.identifiability import NOT_IDENTIFIABLE
+from stickslip.identification.sliding.friction_curve import Interval
+from stickslip.identification.sliding.position_force import PositionForce
 from stickslip.learned.deploying import deployed_blocks
 from stickslip.learned.file import LearnedFile
 from stickslip.learned.provenance import provenance
@@ -23,6 +25,7 @@ from stickslip.logs import Finding
 from stickslip.models.firmware import write_compensator
 from stickslip.presentation.quantity import number
 from stickslip.servo.axis import ControlError
+from stickslip.studies.learn.document import log_document
 from stickslip.studies.learn.folder import write_learned
 from stickslip.studies.learn.verdict import LoopShare, _headline, lines, verdict_of
 from stickslip.trial.benefit import Benefit, Variant
@@ -46,6 +49,22 @@ def sound(learned_log):
 def leaving(ratio, benefit, share=1.0):
     rows = tuple(replace(row, compensated=ratio * row.without) for row in benefit.rows)
     return Benefit(share, rows, rows, benefit.unit, benefit.variant)
+
+
+def test_an_observer_leaves_a_weight_to_the_loop_unless_a_block_holds_it(sound):
+    """The drives of the trial have none, and the loop holds it at rest."""
+    estimation, F_c = sound.estimation, sound.friction["F_c"]
+
+    def left(F_0, held=None):
+        known = replace(estimation, parameters={**estimation.parameters, "F_0": F_0})
+        learned = replace(sound, estimation=replace(known, position_force=held))
+        entries = log_document(learned)["observer"]["parameters"]
+        return entries["F_0"]["value"] if "F_0" in entries else None
+
+    assert left(0.7 * F_c) == 0.7 * F_c
+    assert left(0.05 * F_c) is None  # of friction that differs by direction
+    block = PositionForce({"F_0": Interval(0.7 * F_c, *3 * [0.0])}, 0.0)
+    assert left(0.7 * F_c, block) is None
 
 
 def untried(sound, asked="auto"):

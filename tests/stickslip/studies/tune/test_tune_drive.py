@@ -54,7 +54,7 @@ def learned(tmp_path_factory):
     """Write a learned.json with Table 2, a loop, a feedforward and an observer; return its path."""
 
     def write(loop=SLOW):
-        observer = Compensator("observer", "dob", DESIGNED.observer.parameters())
+        observer = Compensator("observer", "dob", {**DESIGNED.observer.parameters(), "F_0": 2.0})
         path = tmp_path_factory.mktemp("learned") / "learned.json"
         entries = {
             "parameters": {n: {"value": PAPER[n], "unit": UNITS[n]} for n in LUGRE},
@@ -244,8 +244,10 @@ def test_the_files_have_the_tuned_loop(learned, tmp_path, capsys):
     start = {name: float(v.start) for name, v in blocks["compensator"].variables.items() if v.start}
     assert start["F_c"] == pytest.approx(tuned.share * PAPER["F_c"], rel=1e-12)
     assert start["loop_A[1,1]"] == pytest.approx(tuned.loop.nominal.A[0, 0], rel=1e-12)
-    L_d = blocks["observer"].variables["L_d"].start
-    assert float(L_d) == pytest.approx(after["observer.L_d"], rel=1e-12)
+    observed = blocks["observer"].variables
+    assert float(observed["L_d"].start) == pytest.approx(after["observer.L_d"], rel=1e-12)
+    assert float(observed["F_0"].start) == 2.0  # of the drive, whose models have none
+    assert "observer.F_0" not in after
     check_deployment(tmp_path, tuned)
 
 
