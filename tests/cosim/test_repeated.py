@@ -195,33 +195,28 @@ def test_static_variables_are_told(write, version, isolation, caplog):
             np.testing.assert_array_equal(values, results[0])
 
 
-def test_one_instance_per_process(write, version, caplog):
-    flags = 'canBeInstantiatedOnlyOncePerProcess="true"'
-    system = alone(write("a", version, RESETS["does nothing"], flags=flags))
+ONCE = 'canBeInstantiatedOnlyOncePerProcess="true"'
+
+
+@pytest.mark.parametrize(
+    ("version", "plan", "flags", "isolation", "told"),
+    [
+        *((version, RESETS["does nothing"], ONCE, None, "after a reset") for version in (2, 3)),
+        (3, "!", "", "process", "fmi3Reset died of SIGSEGV"),
+        # no second instance can be made, and perhaps the first cannot be reset
+        *((2, "c", "", "process", None), (3, "!c", "", "process", None)),
+    ],
+)
+def test_what_cannot_be_used_again_costs_no_run(
+    write, version, plan, flags, isolation, told, caplog
+):
+    """One instance in a process, a crash on reset, and what crashes a used process."""
+    system = alone(write("a", version, plan, flags=flags))
     expected = fresh(system)
-    with system.prepare(step=STEP, stop=STOP) as simulation:
-        for _ in range(3):
-            same(simulation.run(), expected)
-    assert len(lines(caplog)) == 1
-
-
-@pytest.mark.parametrize("version", [3])
-def test_a_crash_on_reset_costs_no_run(write, version, caplog):
-    system = alone(write("a", version, "!"))
-    expected = fresh(system)
-    with system.prepare(step=STEP, stop=STOP, isolation="process") as simulation:
-        for _ in range(4):
-            same(simulation.run(), expected)
-    (line,) = lines(caplog)
-    assert f"fmi{version}Reset died of SIGSEGV" in line
-
-
-@pytest.mark.parametrize(("version", "plan"), [(2, "c"), (3, "!c")])
-def test_what_crashes_a_used_process_has_a_new_one_for_each_run(write, version, plan):
-    """No second instance can be made, and perhaps the first cannot be reset."""
-    system = alone(write("a", version, plan))
-    expected = fresh(system)
-    for _ in range(2):
-        with system.prepare(step=STEP, stop=STOP, isolation="process") as simulation:
-            for _ in range(3):
+    for first in (True, False):
+        with system.prepare(step=STEP, stop=STOP, isolation=isolation) as simulation:
+            for _ in range(4):
                 same(simulation.run(), expected)
+        if told and first:
+            (line,) = lines(caplog)
+            assert told in line

@@ -82,37 +82,35 @@ def test_ctrl_c_ends_processes_quietly(capfd):
     assert "Traceback" not in capfd.readouterr().err
 
 
-def test_an_earlier_run_is_not_overwritten(tmp_path):
+@pytest.fixture
+def kept(tmp_path):
+    """Return the checkpoint of a run about drive 1."""
     path = tmp_path / "run.json"
-    ga.learn(new(), quadratic, checkpoint=path)
-    text = path.read_text()
+    ga.learn(new(), quadratic, checkpoint=path, about="drive 1")
+    return path
+
+
+def test_an_earlier_run_is_not_overwritten(kept):
+    text = kept.read_text()
     with pytest.raises(ga.StateError, match=r"run\.json: holds an earlier learning run"):
-        ga.learn(new(), quadratic, checkpoint=path)
-    assert path.read_text() == text
+        ga.learn(new(), quadratic, checkpoint=kept)
+    assert kept.read_text() == text
 
 
 @pytest.mark.parametrize(
-    ("resumed", "message"),
+    ("resumed", "drive", "message"),
     [
-        (lambda: new("cma"), "other optimiser"),
-        (lambda: new("paper"), "other settings"),
-        (lambda: new(seed=5), "other seed"),
-        (lambda: ga.optimiser("default", ga.Problem(GENES), LIMITS, 4), "other repair"),
-        (lambda: ga.optimiser("default", ga.Problem(GENES[:2], PROBLEM.repair)), "other genes"),
+        (lambda: new("cma"), 1, "other optimiser"),
+        (lambda: new("paper"), 1, "other settings"),
+        (lambda: new(seed=5), 1, "other seed"),
+        (lambda: ga.optimiser("default", ga.Problem(GENES), LIMITS, 4), 1, "other repair"),
+        (lambda: ga.optimiser("default", ga.Problem(GENES[:2], PROBLEM.repair)), 1, "other genes"),
+        (new, 2, "about 'drive 1', expected 'drive 2'"),
     ],
 )
-def test_a_checkpoint_of_another_run_is_refused(resumed, message, tmp_path):
-    path = tmp_path / "run.json"
-    ga.learn(new(), quadratic, checkpoint=path)
+def test_a_checkpoint_of_another_run_is_refused(resumed, drive, message, kept):
     with pytest.raises(ga.StateError, match=rf"run\.json: .*{message}"):
-        ga.learn(resumed(), quadratic, checkpoint=path, resume=True)
-
-
-def test_a_checkpoint_about_other_costs_is_refused(tmp_path):
-    path = tmp_path / "run.json"
-    ga.learn(new(), quadratic, checkpoint=path, about="drive 1")
-    with pytest.raises(ga.StateError, match="about 'drive 1', expected 'drive 2'"):
-        ga.learn(new(), quadratic, checkpoint=path, resume=True, about="drive 2")
+        ga.learn(resumed(), quadratic, checkpoint=kept, resume=True, about=f"drive {drive}")
 
 
 @pytest.mark.parametrize(

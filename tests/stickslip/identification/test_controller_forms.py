@@ -128,6 +128,14 @@ SOFT = {
 """A drive that bends for 0.4 mm before it slides, and its controller."""
 
 
+PI = {name: drives.GAINS[name] for name in ("K_p", "K_i", "tau_f")}
+
+
+@pytest.fixture(scope="module")
+def stage():
+    return drives.recording("lugre", COMMAND)
+
+
 def test_a_force_that_the_controller_commands_is_not_shifted():
     v_cmd = 0.05 * np.sin(2.0 * np.pi * 4.0 * T)
     soft = drives.recording("lugre", v_cmd, noise=0.013, **SOFT)
@@ -144,47 +152,39 @@ def test_a_force_that_the_controller_commands_is_not_shifted():
 
 
 @pytest.mark.parametrize("scale", [1.0, 2.0])
-def test_commands_of_another_scale_are_those_with_which_the_force_is_not_commanded(scale):
-    stage = drives.recording("lugre", COMMAND)
-    gains = {name: drives.GAINS[name] for name in ("K_p", "K_i", "tau_f")}
+def test_commands_of_another_scale_are_those_with_which_the_force_is_not_commanded(stage, scale):
     log = replace(stage, velocity_command=scale * COMMAND)
     doubt = Finding("warning", f"d(position)/dt and velocity_command {DIFFER}", spoils="values")
-    _, left = in_time(Reading(log, Controller("PI", **gains)), [doubt])
+    _, left = in_time(Reading(log, Controller("PI", **PI)), [doubt])
     assert left == (() if scale == 1.0 else (doubt,))
 
 
-def test_a_force_that_is_logged_late_is_shifted():
-    stage = drives.recording("lugre", COMMAND)
+def test_a_force_that_is_logged_late_is_shifted(stage):
     late = replace(stage, force=np.append(np.full(3, stage.force[0]), stage.force[:-3]))
-    gains = {name: drives.GAINS[name] for name in ("K_p", "K_i", "tau_f")}
-    shifted, _ = in_time(Reading(late, Controller("PI", **gains)), ())
+    shifted, _ = in_time(Reading(late, Controller("PI", **PI)), ())
     assert samples_late(late) > 2
     np.testing.assert_array_equal(shifted.recording.force, late.force[samples_late(late) :])
 
 
-def test_a_force_that_was_not_logged_is_what_the_controller_commands():
-    stage = drives.recording("lugre", COMMAND)
-    gains = {name: drives.GAINS[name] for name in ("K_p", "K_i", "tau_f")}
-    assert with_force(stage, gains) is stage
+def test_a_force_that_was_not_logged_is_what_the_controller_commands(stage):
+    assert with_force(stage, PI) is stage
     silent = replace(stage, force=None)
     assert with_force(silent, None) is silent
-    force = with_force(silent, gains).force
+    force = with_force(silent, PI).force
     assert np.sqrt(np.mean((force - stage.force) ** 2)) < 0.01 * np.ptp(stage.force)
     with (
         patch.object(learned, "predictions", side_effect=InterruptedError) as compared,
         pytest.raises(InterruptedError),
     ):
-        learned.learn_recording(silent, gains, None, (), LearnSettings())
+        learned.learn_recording(silent, PI, None, (), LearnSettings())
     np.testing.assert_array_equal(compared.call_args.args[0].force, force)
 
 
 @pytest.mark.parametrize(("factor", "advice"), [(1e3, 'unit="mN"'), (3.0, "scale=0.3333")])
-def test_a_force_out_of_scale_with_its_command_names_what_corrects_it(factor, advice):
-    stage = drives.recording("lugre", COMMAND)
-    gains = {name: drives.GAINS[name] for name in ("K_p", "K_i", "tau_f")}
+def test_a_force_out_of_scale_with_its_command_names_what_corrects_it(stage, factor, advice):
     log = replace(stage, force=factor * stage.force)
     channel = Channel("force", "force", unit_named("N"))
-    reading = Reading(log, Controller("PI", **gains), channels=(channel,))
+    reading = Reading(log, Controller("PI", **PI), channels=(channel,))
     [found] = check_description(reading, ())
     assert f'("force": Column({advice})' in found.advice.replace("{", "(")
 
