@@ -69,50 +69,33 @@ LUGRE = {"k_e": 0.6, "tau_f": 0.0, "delta": 2.0}
 HELD = ((0.02, 0.018), (2e-4, -1e-4), (-0.001, 0.003), (0.0, 0.01))  # measured, expected [m/s]
 
 
-@pytest.mark.parametrize(("name", "changes"), CASES, ids=str)
-def test_the_force_is_that_of_the_equations(with_law, observe, name, changes):
-    compare(with_law, observe, name, changes)
+IDEAL = dict.fromkeys(("current_loop", "dac", "encoder"), 0.0)
+EVERY = [
+    *((name, changes, {}, {}) for name, changes in CASES),
+    # the damping of the LuGre observer has its share, also where the velocity reverses
+    *(
+        ("lugre_observer", {**LUGRE, "share_1": share, **more}, {}, {"n": 41, "held": held})
+        for share, held, more in (
+            *((share, held, {}) for share, held in zip(SHARES, HELD, strict=True)),
+            *((0.3, HELD[0], more) for more in ({"reference": 1.0}, {"v_d": 5e-3})),
+        )
+    ),
+    *(
+        pytest.param(
+            "lugre_observer", {**LUGRE, "share_1": 0.3, **more}, {}, {"n": 251},
+            marks=pytest.mark.thorough,
+        )
+        for more in ({}, {"v_d": 5e-3}, {"reference": 1.0})
+    ),
+    ("drive", IDEAL | GUIDE, NEAR, {"n": 101}),
+    ("stage", {"v_d": 2e-3}, {"F_f": 1e-4}, {}),
+]  # fmt: skip
+"""Model or law, what differs from its start values, distances allowed, and the signals."""
 
 
-@pytest.mark.parametrize(
-    ("share_1", "held", "more"),
-    [
-        *((share, held, {}) for share, held in zip(SHARES, HELD, strict=True)),
-        *((0.3, HELD[0], more) for more in ({"reference": 1.0}, {"v_d": 5e-3})),
-    ],
-)
-def test_the_damping_of_the_lugre_observer_has_its_share(with_law, observe, share_1, held, more):
-    values = {**LUGRE, "share_1": share_1, **more}
-    compare(with_law, observe, "lugre_observer", values, n=41, held=held)
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("more", [{}, {"v_d": 5e-3}, {"reference": 1.0}], ids=str)
-def test_it_has_it_where_the_velocity_reverses(with_law, observe, more):
-    values = {**LUGRE, "share_1": 0.3, **more}
-    compare(with_law, observe, "lugre_observer", values, n=251)
-
-
-def test_the_drive_is_that_of_the_equations(with_law, observe):
-    ideal = dict.fromkeys(("current_loop", "dac", "encoder"), 0.0)
-    compare(with_law, observe, "drive", ideal | GUIDE, near=NEAR, n=101)
-
-
-def test_the_stage_with_damping_that_fades_is_that_of_the_equations(with_law, observe):
-    compare(with_law, observe, "stage", {"v_d": 2e-3}, near={"F_f": 1e-4})
-
-
-def test_a_weight_of_the_network_stays_within_its_limit(observe):
-    record = tuple(f"fmu.w[{i},{j}]" for i in range(1, 9) for j in range(1, 5))
-    signals = {"v_r": np.full(600, 0.05), "u": np.full(600, 1e4)}
-    found = observe("mlp", signals, record, gamma=1.0, D=0, m=1e-6, b=0.0)
-    largest = [max(np.abs(found[name]).max() for name in record[j::4]) for j in range(4)]
-    assert max(largest[:3]) == 20.0
-    assert largest[3] == 1.0
-
-
-def compare(with_law, observe, name, changes, near=None, **signals):
-    """Compare all outputs with the equations, as make_references.py solves them."""
+@pytest.mark.parametrize(("name", "changes", "near", "signals"), EVERY, ids=str)
+def test_the_outputs_are_those_of_the_equations(with_law, observe, name, changes, near, signals):
+    """As make_references.py solves them."""
     own = getattr(references, name)
     expected = own(references.start_values(name) | changes, **signals)
     law = name in models.law_names()
@@ -123,8 +106,17 @@ def compare(with_law, observe, name, changes, near=None, **signals):
     found = observe(path, inputs, **values)
     outputs = expected.keys() - inputs - {"time"}
     for output in outputs:
-        off = (near or {}).get(output, 1e-7)
+        off = near.get(output, 1e-7)
         np.testing.assert_allclose(
             found[f"fmu.{output}"], expected[output], rtol=1e-7, atol=off, err_msg=output
         )
     assert max(np.ptp(expected[output]) for output in outputs) > 0.02
+
+
+def test_a_weight_of_the_network_stays_within_its_limit(observe):
+    record = tuple(f"fmu.w[{i},{j}]" for i in range(1, 9) for j in range(1, 5))
+    signals = {"v_r": np.full(600, 0.05), "u": np.full(600, 1e4)}
+    found = observe("mlp", signals, record, gamma=1.0, D=0, m=1e-6, b=0.0)
+    largest = [max(np.abs(found[name]).max() for name in record[j::4]) for j in range(4)]
+    assert max(largest[:3]) == 20.0
+    assert largest[3] == 1.0

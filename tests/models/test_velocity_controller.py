@@ -9,6 +9,7 @@ from stickslip.servo.axis import Axis
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
 from tests.models.make_references import array, controlled
 
+LOOP = design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LoopSpecification(125, 50, 5e-4, 5e-4))
 NAME = "velocity_controller"
 T_S = 5e-4  # s
 RECORD = tuple(f"{NAME}.{v}" for v in ("u", "v_est", "I", "J", "k"))
@@ -64,9 +65,8 @@ def test_a_run_may_start_at_any_time(alone):
 
 
 def test_gains_are_those_python_control_designs():
-    loop = design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LoopSpecification(125, 50, 5e-4, 5e-4))
     for name in ("K_p", "K_i", "T_s", "tau_f"):
-        assert START[name] == pytest.approx(getattr(loop, name), rel=1e-9)
+        assert START[name] == pytest.approx(getattr(LOOP, name), rel=1e-9)
 
 
 NOMINAL = {v.name: v.start for v in models.load_model("nominal_loop").variables}
@@ -74,13 +74,12 @@ NOMINAL = {v.name: v.start for v in models.load_model("nominal_loop").variables}
 
 def test_start_values_are_the_loop_python_control_designs():
     """Compared where the choice of states does not show: in the pulse response."""
-    loop = design_velocity_loop(Axis(5.557, 6.6135, 1e-4), LoopSpecification(125, 50, 5e-4, 5e-4))
     A, B, C = array(NOMINAL, "A", 8, 8), array(NOMINAL, "B", 8), array(NOMINAL, "C", 8)
     x, response = B, [NOMINAL["D"]]
     for _ in range(200):
         response.append(C @ x)
         x = A @ x
     t = np.arange(201) * T_S
-    designed = control.impulse_response(loop.nominal, t).outputs * T_S
+    designed = control.impulse_response(LOOP.nominal, t).outputs * T_S
     np.testing.assert_allclose(response, designed, rtol=1e-9, atol=1e-9 * abs(designed).max())
-    assert NOMINAL["T_s"] == loop.T_s
+    assert NOMINAL["T_s"] == LOOP.T_s

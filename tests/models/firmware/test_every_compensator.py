@@ -78,8 +78,8 @@ def exported(tmp_path_factory):
         model, law, called = CASES[case]
         folder = tmp_path_factory.mktemp(case)
         start = STARTS.get(case, {})
-        write_compensator(folder, "c", start=start, law=law, model=model, called=called)
-        write_compensator(folder, "st", start=start, law=law, model=model, called=called)
+        for language in ("c", "st"):
+            write_compensator(folder, language, start=start, law=law, model=model, called=called)
         models.build_fmu(model, folder, start=start, law=law, called=called)
         return folder
 
