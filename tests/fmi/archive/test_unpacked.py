@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 
 from stickslip import cosim
 from stickslip.fmi.archive import unpack, unpacked
-from stickslip.fmi.archive import unpacked as members
 from stickslip.fmi.archive.directory import Refused, check_members
 from stickslip.fmi.archive.unpacked import extract
 from tests.corpus.hostile.zips import DEFLATE, STORED, Member, zipped
@@ -99,15 +98,15 @@ def test_a_copy_of_the_same_content_is_not_unpacked_again(archive, monkeypatch):
     folder, _ = opened(archive)
     (folder / "a.txt").unlink()
     (folder / "a.txt").write_bytes(CONTENT["a.txt"])
-    monkeypatch.setattr(members.zipfile, "ZipFile", None)
+    monkeypatch.setattr(unpacked.zipfile, "ZipFile", None)
     assert opened(archive)[1] == CONTENT
     monkeypatch.setattr(unpacked, "_check", None)
     assert opened(archive)[1] == CONTENT
 
 
 def test_a_full_disk_is_noticed_first(room, archive, monkeypatch):
-    usage = members.shutil.disk_usage(archive.parent)._replace(free=10)
-    monkeypatch.setattr(members.shutil, "disk_usage", lambda _: usage)
+    usage = unpacked.shutil.disk_usage(archive.parent)._replace(free=10)
+    monkeypatch.setattr(unpacked.shutil, "disk_usage", lambda _: usage)
     with pytest.raises(cosim.FmuError, match="only 10 are free"):
         opened(archive)
     assert list(room.iterdir()) == []
@@ -120,7 +119,7 @@ def test_what_killed_processes_left_goes_when_it_is_old(room, archive):
         partial.mkdir()
         (partial / "half").touch()
         os.utime(partial, times=(time.time() - age,) * 2)
-    members._tidy.cache_clear()  # as in another process
+    unpacked._tidy.cache_clear()  # as in another process
     opened(archive)
     assert not (room / ".unpack-old").exists()
     assert (room / ".unpack-new" / "half").exists()  # of a process that may still be at it
@@ -134,13 +133,13 @@ def test_what_nobody_opens_for_months_goes(archive, tmp_path):
     other = tmp_path / "other.zip"
     other.write_bytes(zipped([Member(b"other")]))
     assert opened(archive)[0] == forgotten  # used after all: it is kept
-    members._tidy.cache_clear()  # as in another process
+    unpacked._tidy.cache_clear()  # as in another process
     opened(other)
     assert forgotten.exists()
     os.utime(forgotten.with_suffix(".json"), times=(long_ago, long_ago))
     third = tmp_path / "third.zip"
     third.write_bytes(zipped([Member(b"third")]))
-    members._tidy.cache_clear()
+    unpacked._tidy.cache_clear()
     opened(third)
     assert not forgotten.exists()
     assert opened(other)[1] == {"other": b""}
