@@ -145,17 +145,16 @@ class Slave:
         if fmu.version == 2:
             self.api: Any = (fmi2.FMU2Model if exchange else fmi2.FMU2Slave)(**arguments)
             callbacks = fmi2.fmi2CallbackFunctions()
-            callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._log2)
+            callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._log)
             addLoggerProxy(ctypes.byref(callbacks))
             self.api.instantiate(callbacks=callbacks, loggingOn=logging)
         else:
             self.api = (fmi3.FMU3Model if exchange else fmi3.FMU3Slave)(**arguments)
-            self.api.instantiate(logMessage=self._log3, loggingOn=logging)
+            self.api.instantiate(logMessage=self._log, loggingOn=logging)
 
-    def _log2(self, _: object, __: bytes, status: int, category: bytes, text: bytes) -> None:
-        self.messages.append((status, category.decode(), text.decode()))
-
-    def _log3(self, _: object, status: int, category: bytes, text: bytes) -> None:
+    def _log(self, *told: Any) -> None:
+        """Keep status, category and text, which come last; FMI 2.0 names the instance before."""
+        status, category, text = told[-3:]
         self.messages.append((status, category.decode(), text.decode()))
 
     def initialize(self, settings: Mapping[str, float] | None = None, start: float = 0.0) -> Slave:
@@ -205,13 +204,12 @@ class Exchanged(Slave):
         super().__init__(fmu, exchange=True, **options)
         self.n_states = len(fmu.names("derivative"))
 
-    def update(self) -> float | None:
-        """Take what is due in event mode; return the time of the next event."""
-        if self.fmu.version == 2:
-            *_, defined, time = self.api.newDiscreteStates()
-        else:
-            *_, defined, time = self.api.updateDiscreteStates()
-        return time if defined else None
+    def updated(self) -> dict[str, Any]:
+        """Update once in event mode; return what was reported, the time of the next event last."""
+        kind = "new" if self.fmu.version == 2 else "update"
+        reported = getattr(self.api, f"{kind}DiscreteStates")()
+        names = ("again", "ends", "nominals", "states", "timed", "time")
+        return dict(zip(names, reported, strict=True))
 
     def place(self, time: float, states: Sequence[float]) -> None:
         """Set time and states in continuous-time mode."""

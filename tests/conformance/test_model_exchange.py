@@ -63,8 +63,8 @@ def test_samples_are_time_events_with_the_bits_of_co_simulation(
         stepping.set(fmu.inputs(n))
         stepping.api.doStep(n * period, period)
         solved.set(fmu.inputs(n))
-        solved.update()  # the tool may go on updating
-        due = solved.update()
+        solved.updated()  # the tool may go on updating
+        due = solved.updated()["time"]
         assert due == pytest.approx((n + 1) * period, rel=1e-12)
         solved.api.enterContinuousTimeMode()
         assert identical(solved.get(outputs), stepping.get(outputs))

@@ -132,15 +132,6 @@ def test_a_stuck_mass_does_not_creep(build, law):
     np.testing.assert_allclose(x[50:-4:4], x[-1], atol=0.0 if law == "coulomb_stribeck" else 1e-9)
 
 
-def updated(instance):
-    """Update once; return what was reported and what is there after it."""
-    if instance.fmu.version == 2:
-        reported = instance.api.newDiscreteStates()
-    else:
-        reported = instance.api.updateDiscreteStates()
-    return dict(zip(("again", "ends", "nominals", "states", "timed"), reported, strict=False))
-
-
 @LAWS
 def test_events_end_in_modes_that_hold(build, exchanged, law, version):
     """From any point: nothing is left to do, what slips is bent forward, and jumps are reported."""
@@ -149,14 +140,14 @@ def test_events_end_in_modes_that_hold(build, exchanged, law, version):
     for n, point in enumerate(fmu.points(100)):
         point |= {"v": 0.0} if n % 4 == 3 else {}
         instance.api.reset()
-        reported = updated(instance.initialize(point))
+        reported = instance.initialize(point).updated()
         states, modes = instance.vector("ContinuousStates"), instance.get(mode_names(fmu))
         asked = [point[name] for name in fmu.names("state")[: instance.n_states]]
         assert reported["states"] == (states != asked).any()
         assert not any(reported[flag] for flag in ("again", "ends", "nominals", "timed"))
         assert (indicators(instance) > 0.0).all()
         assert all(mode * bent > 0.0 for mode, bent in zip(modes, states[2:], strict=False) if mode)
-        assert not updated(instance)["states"]
+        assert not instance.updated()["states"]
         assert instance.get(mode_names(fmu)) == modes
         seen.add(tuple(modes))
     assert len(seen) > 2
@@ -174,7 +165,7 @@ def test_modes_change_in_event_mode_only_and_a_restored_state_changes_them_again
     """The velocity has crossed 0 under a force that static friction holds."""
     fmu = build("stage+coulomb_stribeck", version)
     instance = exchanged(fmu).initialize({"v": 1e-3})
-    assert updated(instance)["states"] == 0
+    assert instance.updated()["states"] == 0
     instance.api.enterContinuousTimeMode()
     for v in (1e-3, 1e-12, -1e-12, -1e-3):
         instance.place(0.1, [0.0, v])
@@ -186,26 +177,26 @@ def test_modes_change_in_event_mode_only_and_a_restored_state_changes_them_again
     bits = instance.api.serializeFMUState(state)
     crossed = instance.everything()
     for _ in range(2):
-        assert updated(instance)["states"] == 1
+        assert instance.updated()["states"] == 1
         assert instance.get(["mode", "v"]) == [0.0, 0.0]
-        assert updated(instance)["states"] == 0
+        assert instance.updated()["states"] == 0
         instance.api.enterContinuousTimeMode()
         assert indicators(instance)[0] > 0.0
         instance.api.setFMUState(state)
         assert identical(instance.everything(), crossed)
     instance.api.setFMUState(instance.api.deserializeFMUState(bits))
-    assert updated(instance)["states"] == 1
+    assert instance.updated()["states"] == 1
     instance.set({"u": 9.5})
-    assert updated(instance)["states"] == 0  # it breaks away, and no state jumps
+    assert instance.updated()["states"] == 0  # it breaks away, and no state jumps
     assert instance.get(["mode", "v"]) == [1.0, 0.0]
 
 
 def test_a_parameter_changed_at_an_event_changes_the_modes(build, exchanged):
     instance = exchanged(build("stage+coulomb_stribeck", 3)).initialize({"u": 8.0})
-    updated(instance)
+    instance.updated()
     assert instance.get(["mode", "F_f"]) == [0.0, 8.0]
     instance.set({"F_s": 7.0})
-    updated(instance)
+    instance.updated()
     assert instance.get(["mode", "F_f"]) == [1.0, 7.0]
 
 

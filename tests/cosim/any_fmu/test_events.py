@@ -91,8 +91,8 @@ def interfaces(request):
     return request.param
 
 
-def run(path, step=STEP):
-    system = one(path)
+def run(system, step):
+    """Return the result of a run, which the next one repeats."""
     with system.prepare(step=step, stop=STOP) as simulation:
         first = simulation.run()
         np.testing.assert_array_equal(simulation.run().values, first.values)
@@ -110,7 +110,7 @@ TICKS = {
 
 @pytest.mark.parametrize("step", [0.1, 0.5, 0.0625])
 def test_a_clock_ticks_at_its_times(export, interfaces, step):
-    result = run(export("clocked", 3, interfaces), step)
+    result = run(one(export("clocked", 3, interfaces)), step)
     for clock, ticks in TICKS.items():
         reached = np.searchsorted(ticks, result.time + 1e-9)
         np.testing.assert_array_equal(result[f"a.{clock}_ticks"], reached, err_msg=clock)
@@ -133,10 +133,7 @@ def test_clocks_that_will_not_tick_are_named(export, caplog):
 def test_an_output_clock_ticks_the_input_clock_that_it_is_connected_to(export, interfaces, step):
     """Its column is 1 after each step in which it ticked; each tick is one event of the other."""
     parts = dict.fromkeys("ab", export("clocked", 3, interfaces))
-    system = joined(parts, "a.tock b.by_hand")
-    with system.prepare(step=step, stop=STOP) as simulation:
-        result = simulation.run()
-        np.testing.assert_array_equal(simulation.run().values, result.values)
+    result = run(joined(parts, "a.tock b.by_hand"), step)
     every = np.diff(result["a.every_ticks"], prepend=0)
     np.testing.assert_array_equal(result["a.tock"], every)
     np.testing.assert_array_equal(result["b.by_hand_ticks"], result["a.every_ticks"])

@@ -21,6 +21,8 @@ ROWS = [
     ("y", 3, "output", "continuous", "", "<Real/><DirectDependency><Name>u</Name>"),
     ("high", 5, "output", "discrete", "", "<Boolean/><DirectDependency>"),
 ]
+TIME = np.linspace(0.0, 1.0, 11)
+U, ON = 1.0 + np.sin(7 * TIME), TIME < 0.45
 SLAVE = "<Implementation><CoSimulation_StandAlone><Capabilities/></CoSimulation_StandAlone>"
 
 
@@ -50,42 +52,31 @@ def binary():
 def test_runs_equal_fmpy(tmp_path, binary):
     new = described().replace('modelName="old"', f'modelName="{uuid4()}"')  # to no cache
     path = fmu.pack(tmp_path / "old.fmu", new, binary)
-    time = np.linspace(0.0, 1.0, 11)
-    u, on = 1.0 + np.sin(7 * time), time < 0.45
     system = exposed(path, {"k": 0.5})
-    theirs = by_fmpy(
-        path,
-        0.1,
-        1.0,
-        "y",
-        "high",
-        inputs=[time, ("u", "f8", u), ("on", "?", on)],
-        start_values={"k": 0.5},
-    )
+    how = {"inputs": [TIME, ("u", "f8", U), ("on", "?", ON)], "start_values": {"k": 0.5}}
+    theirs = by_fmpy(path, 0.1, 1.0, "y", "high", **how)
     for isolation in ("process", None):
         with system.prepare(step=0.1, stop=1.0, isolation=isolation) as simulation:
             for _ in range(2):
-                ours = simulation.run(inputs={"u": u, "on": on})
+                ours = simulation.run(inputs={"u": U, "on": ON})
                 np.testing.assert_array_equal(ours["a.y"], theirs["y"])
                 np.testing.assert_array_equal(ours["a.high"], theirs["high"])
-    assert ours["a.y"][0] == 0.5 * u[0]
-    assert 0 < ours["a.high"].sum() < len(time)
+    assert ours["a.y"][0] == 0.5 * U[0]
+    assert 0 < ours["a.high"].sum() < len(TIME)
     assert system.components["a"].feedthrough == {"y": {"u"}, "high": set()}
 
 
 def test_model_exchange_has_events_of_time_state_and_inputs(tmp_path, binary):
     path = fmu.pack(tmp_path / "exchange.fmu", described(implementation=""), binary)
-    time = np.linspace(0.0, 1.0, 11)
-    u, on = 1.0 + np.sin(7 * time), time < 0.45
-    x = np.cumsum([0.0, *(0.05 * (u[1:] + u[:-1]) * on[:-1])]) + (time >= 0.25)
+    x = np.cumsum([0.0, *(0.05 * (U[1:] + U[:-1]) * ON[:-1])]) + (TIME >= 0.25)
     system, record = exposed(path, {"k": 0.5}), ["a.x", "a.y", "a.high"]
     with system.prepare(step=0.1, stop=1.0, record=record) as simulation:
         for _ in range(2):
-            ours = simulation.run(inputs={"u": cosim.Table(time, u), "on": on})
+            ours = simulation.run(inputs={"u": cosim.Table(TIME, U), "on": ON})
             np.testing.assert_allclose(ours["a.x"], x, atol=1e-4)
-            np.testing.assert_allclose(ours["a.y"], x + 0.5 * u, atol=1e-4)
+            np.testing.assert_allclose(ours["a.y"], x + 0.5 * U, atol=1e-4)
             np.testing.assert_array_equal(ours["a.high"], ours["a.y"] >= 1.0)
-    assert 0 < ours["a.high"].sum() < len(time)
+    assert 0 < ours["a.high"].sum() < len(TIME)
 
 
 def test_what_is_not_run_is_one_line(tmp_path, binary):
