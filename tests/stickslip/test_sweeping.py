@@ -121,10 +121,7 @@ def test_mistakes_are_one_line(stage):
         ss.sweep(stage, {"F_c": []}, {"end": end}, **RUN)
     with pytest.raises(ss.Fault, match=r"figure .end.: KeyError: .*w' was not recorded.*; no run"):
         ss.sweep(stage, {"F_c": [1.0]}, {"end": lambda result: result["w"][-1]}, **RUN)
-    with pytest.raises(
-        ss.Fault,
-        match=r"F_c: expected \(lowest, highest\) or .*, got \(0.1,\)",
-    ):
+    with pytest.raises(ss.Fault, match=r"F_c: expected \(lowest, highest\) or .*, got \(0.1,\)"):
         ss.optimise(stage, {"F_c": (0.1,)}, end, **RUN)
     with pytest.raises(ss.Fault, match=r"F_c: .* that grow, got \(2, 1\)"):
         ss.optimise(stage, {"F_c": (2, 1)}, end, **RUN)

@@ -13,7 +13,6 @@ import pytest
 
 from stickslip import cosim
 from stickslip.fmi.process import permitted, sandbox
-from stickslip.fmi.process import sandbox as calls
 from stickslip.fmi.toolchain import cache_directory
 from tests.corpus.hostile import attempts
 from tests.cosim.single import one
@@ -132,7 +131,7 @@ def test_what_an_fmu_tries_is_refused_named_and_leaves_no_trace(user):
 @pytest.mark.parametrize("words", [(), ("network",), ("network", "exec")])
 def test_the_filter_decides_as_its_table_says(machine, words):
     """Of every call, with arguments that are listed and with some that are not."""
-    numbers = calls.numbers(machine)
+    numbers = sandbox.numbers(machine)
     program = permitted.program(numbers, 7, frozenset(words))
     rules = {}
     for rule in permitted.ALLOWED:

@@ -31,6 +31,7 @@ COMPENSATOR = Compensator("compensator", "compensator", FRICTION)
 T = np.arange(4001) * LOOP.T_s
 COMMAND = Trapezoid(0.04, 0.4, 0.3, 0.1).sample(T)
 STEP = 1e-9
+COMMANDED = Recording(T, np.zeros_like(T), velocity_command=COMMAND, encoder_step=STEP)
 
 
 def gains_of(loop):
@@ -39,10 +40,9 @@ def gains_of(loop):
 
 @pytest.fixture(scope="module")
 def runs(loop):
-    recording = Recording(T, np.zeros_like(T), velocity_command=COMMAND, encoder_step=STEP)
     with candidate_fmus() as fmus:
         drive = LearnedDrive("lugre", VALUES, COMPENSATOR, loop)
-        return simulate(fmus, recording, gains_of(loop), drive)
+        return simulate(fmus, COMMANDED, gains_of(loop), drive)
 
 
 @pytest.mark.parametrize("compensated", [False, True])
@@ -90,8 +90,7 @@ def test_the_command_of_velocity_is_the_derivative_of_that_of_position():
 
 def test_a_force_of_position_acts_without_a_compensator_and_is_cancelled_with_it(loop, runs):
     known = 4.0 * np.sin(2.0 * np.pi * np.cumsum(COMMAND) * LOOP.T_s / 0.004)
-    recording = Recording(T, np.zeros_like(T), velocity_command=COMMAND, encoder_step=STEP)
-    held = replace(recording, known_force=known)
+    held = replace(COMMANDED, known_force=known)
     with candidate_fmus() as fmus:
         drive = LearnedDrive("lugre", VALUES, COMPENSATOR, loop)
         found = simulate(fmus, held, gains_of(loop), drive)

@@ -489,21 +489,12 @@ def perfect(command):
 
 
 @pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
-def test_a_perfect_run_has_no_error_and_needs_no_further_force(command):
-    found = figures(command, perfect(command), LOOP)
+def test_a_command_is_no_training_ends_in_time_and_a_perfect_run_of_it_has_no_error(command):
+    """And needs no further force; nothing was tuned on the command."""
+    v_cmd, found = command.sample(T_S), figures(command, perfect(command), LOOP)
     assert abs(found["error"][0]) < 1e-15
     assert abs(found["effort"][0]) < 1e-12
-
-
-@pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
-def test_a_command_is_sampled_to_its_end(command):
-    last = T_S * (len(command.sample(T_S)) - 1)
-    assert last == pytest.approx(command.motion.duration, abs=0.51 * T_S)
-
-
-@pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
-def test_nothing_of_it_was_tuned_on(command):
-    v_cmd = command.sample(T_S)
+    assert T_S * (len(v_cmd) - 1) == pytest.approx(command.motion.duration, abs=0.51 * T_S)
     for one in TRAINING:
         seen = one.sample(T_S)
         length = min(len(v_cmd), len(seen))
