@@ -38,11 +38,6 @@ def _content(archive: Path) -> tuple[str, frozenset[str]]:
         return opened.comment.decode(), frozenset(opened.namelist())
 
 
-def _shipped(member: str) -> bytes:
-    with zipfile.ZipFile(ARCHIVE) as opened:
-        return opened.read(member)
-
-
 # No fused multiply-add and a named target: the same bits on every processor.
 # -O2 also keeps the compiler from linking its debug runtime (4 MB) into each library.
 _FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden")
@@ -119,7 +114,8 @@ def shared_library(
             with _alone(library.parent):
                 if not _is_whole(library):  # another process may just have compiled it
                     if is_shipped:
-                        linked = _shipped(member)
+                        with zipfile.ZipFile(ARCHIVE) as opened:
+                            linked = opened.read(member)
                     else:
                         objects = _object(call, common)
                         linked = _compile([*command, *objects], {**files, **objects}, file)

@@ -16,7 +16,6 @@ from stickslip.models.firmware.combined import ADDED_FORCE, SIGNALS, used_signal
 from stickslip.presentation.page import Section, write_page
 from stickslip.presentation.quantity import number
 from stickslip.servo.systems import Compensator
-from stickslip.servo.velocity_loop import VelocityLoop
 from stickslip.thresholds import harm
 
 FOLDER, PAGE = "deploy", "steps.html"
@@ -84,8 +83,9 @@ def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
     paths: list[Path] = []
     for language in get_args(Language):
         paths += write_combined(folder, language, blocks, rotary=rotary, notes=notes)
-    idle, of_drive = _idle(learned.loop), partial(motion_unit, rotary=rotary)
-    signals = {name: one for name, one in used_signals(blocks).items() if name not in idle}
+    of_drive, loop = partial(motion_unit, rotary=rotary), learned.loop
+    taken = {"x_cmd": loop.K_x, "a_cmd": loop.m_ff} if loop else {}
+    signals = {name: one for name, one in used_signals(blocks).items() if taken.get(name, True)}
     verdict = {"source": "", "refused": (), **learned.mapping("verdict")}
     tuning = learned.mapping("tuning")
     section = Section(
@@ -105,12 +105,6 @@ def write_deployment(learned: LearnedFile, folder: Path) -> list[Path]:
         steps=list(_steps(names, [*signals], verdict, tuning)),
     )
     return paths + write_page(folder, "How to deploy the compensator", [section], PAGE)
-
-
-def _idle(loop: VelocityLoop | None) -> set[str]:
-    """Return the commands that a loop does not take."""
-    unused = {"x_cmd": loop.K_x, "a_cmd": loop.m_ff} if loop else {}
-    return {name for name, gain in unused.items() if not gain}
 
 
 def _steps(

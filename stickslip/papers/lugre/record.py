@@ -21,7 +21,7 @@ from stickslip.papers.lugre.folder import command_of, write_loop
 from stickslip.papers.lugre.page import section, validation_section
 from stickslip.papers.lugre.reproduction import BaseResult, Options, build_rig, validated
 from stickslip.papers.lugre.tables import table2_of_recording
-from stickslip.presentation.page import Section, picture_files
+from stickslip.presentation.page import picture_files
 from stickslip.rigs.contract import commissioning_loop
 from stickslip.rigs.fmu import FmuRig
 from stickslip.servo.axis import LOOP, Datasheet
@@ -115,9 +115,10 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
     learned, loop = reproduction.learned, reproduction.learned.designed.compensated
     estimation = learned.estimation
     with staged(folder, command_of(reproduction.options, mode="record")) as staging:
+        table4 = reproduction.validation.table()
         tables = {
             "table2": reproduction.table2(),
-            "table4": reproduction.validation.table(),
+            "table4": table4,
             "fitness": estimation.searched.convergence(),
             "profiles": estimation.profiles,
         }
@@ -126,13 +127,11 @@ def write_record_results(reproduction: RecordReproduction, folder: Path) -> None
         write_loop(reproduction.system, loop, staging / "loop.ssp", reproduction.options)
         write_json(recording_document(learned), staging / "learned.json")
         build_parts(LearnedFile(staging / "learned.json"), staging)
-        write_estimation_report(estimation, learned.findings, staging, _sections(reproduction))
-
-
-def _sections(reproduction: RecordReproduction) -> list[Section]:
-    validation = reproduction.validation
-    loop = section("The loop", "record", reproduction)
-    return [validation_section(validation, validation.table()), loop]
+        sections = [
+            validation_section(reproduction.validation, table4),
+            section("The loop", "record", reproduction),
+        ]
+        write_estimation_report(estimation, learned.findings, staging, sections)
 
 
 def _description(recording: Recording) -> str:
