@@ -58,6 +58,13 @@ static int restart(void) {
 #define ANSWERS
 #endif
 
+static void keep(double row[4], double u, double v, double x, double f) {
+    row[0] = u;
+    row[1] = v;
+    row[2] = x;
+    row[3] = f;
+}
+
 /* Values go through variables of the master; every output of every step is kept: u, v, x, f. */
 EXPORT int plain(long n, double h, double *kept) {
     ANSWERS
@@ -65,18 +72,13 @@ EXPORT int plain(long n, double h, double *kept) {
     int s = restart();
     for (long k = 0; k < n; k++) {
         const double t = (double)k * h;
-        (void)t;
         s |= SET(C, R0, 1, vx);
         in[0] = u;
         in[1] = f;
         s |= SET(M, R01, 2, in) | SET(F, R0, 1, vx);
         s |= STEP(C) | STEP(M) | STEP(F);
         s |= GET(C, R1, 1, &u) | GET(M, R23, 2, vx) | GET(F, R1, 1, &f);
-        double *row = kept + 4 * k;
-        row[0] = u;
-        row[1] = vx[0];
-        row[2] = vx[1];
-        row[3] = f;
+        keep(kept + 4 * k, u, vx[0], vx[1], f);
     }
     return s;
 }
@@ -88,7 +90,6 @@ EXPORT int in_turn(long n, double h, double *kept) {
     int s = restart();
     for (long k = 0; k < n; k++) {
         const double t = (double)k * h;
-        (void)t;
         s |= SET(C, R0, 1, vx);
         s |= STEP(C);
         s |= GET(C, R1, 1, &u);
@@ -100,11 +101,7 @@ EXPORT int in_turn(long n, double h, double *kept) {
         s |= SET(F, R0, 1, vx);
         s |= STEP(F);
         s |= GET(F, R1, 1, &f);
-        double *row = kept + 4 * k;
-        row[0] = u;
-        row[1] = vx[0];
-        row[2] = vx[1];
-        row[3] = f;
+        keep(kept + 4 * k, u, vx[0], vx[1], f);
     }
     return s;
 }
@@ -117,7 +114,6 @@ EXPORT int calls_in_turn(long n, double h, double *kept) {
     const int s = restart();
     for (long k = 0; k < n; k++) {
         const double t = (double)k * h;
-        (void)t;
         (void)SET(C, R0, 1, vx), (void)STEP(C), (void)GET(C, R1, 1, &uf[0]);
         (void)SET(M, R01, 2, uf), (void)STEP(M), (void)GET(M, R23, 2, vx);
         (void)SET(F, R0, 1, vx), (void)STEP(F), (void)GET(F, R1, 1, &uf[1]);
@@ -133,7 +129,6 @@ EXPORT double candidate(long n, double h, double K_p, double K_i, bool turns) {
     int s = restart() | SET(C, R45, 2, gains);
     for (long k = 0; turns && k < n; k++) {
         const double t = (double)k * h;
-        (void)t;
         s |= SET(C, R0, 1, &v);
         s |= STEP(C);
         s |= GET(C, R1, 1, &uf[0]);
@@ -147,7 +142,6 @@ EXPORT double candidate(long n, double h, double K_p, double K_i, bool turns) {
     }
     for (long k = 0; !turns && k < n; k++) {
         const double t = (double)k * h;
-        (void)t;
         s |= SET(C, R0, 1, &v) | SET(M, R01, 2, uf) | SET(F, R0, 1, &v);
         s |= STEP(C) | STEP(M) | STEP(F);
         s |= GET(C, R1, 1, &uf[0]) | GET(M, R23, 1, &v) | GET(F, R1, 1, &uf[1]);
@@ -166,11 +160,7 @@ EXPORT int fused(long n, double h, double *kept) {
         step_controller(c, h);
         step_mass(m, h);
         step_friction(f, h);
-        double *row = kept + 4 * k;
-        row[0] = c[1];
-        row[1] = m[2];
-        row[2] = m[3];
-        row[3] = f[1];
+        keep(kept + 4 * k, c[1], m[2], m[3], f[1]);
     }
     return 0;
 }
