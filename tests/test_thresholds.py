@@ -442,6 +442,13 @@ def stiffness(error):
     return identifiability.among_laws(known, others, SPACE)["sigma_0"].high
 
 
+def elastic(law):
+    """Return the ends of the interval of sigma_0 beside those of an elasto-plastic contact."""
+    known = {"sigma_0": Identifiability(1.0, 0.1, 0.8, 1.25, "weakly identifiable", "")}
+    found = identifiability.beside_elastic(known, law, SPACE)["sigma_0"]
+    return round(found.low, 4), round(found.high, 4)
+
+
 def tied(error):
     """Return whether friction with F_s = F_c is taken, whose error is larger by chance."""
     squares = np.array([[1.0, 0.0], [0.0, error**2 + 1.0]]).repeat(20, axis=1)
@@ -1049,6 +1056,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "identifiable.WEAKLY": (lambda: level(1.0), NOT_IDENTIFIABLE, "weakly identifiable"),
     "identifiable.TAKEN": (lambda: taken("sigma_0", 4e5, half=0.4) < 4e5, True, False),
     "identifiable.PRIOR_DOMINATED": (lambda: is_prior(0.7), True, False),
+    "identifiable.ELASTIC": (lambda: elastic("lugre"), (0.8, 1.5), (0.8, 3.0)),
     "identifiable.PRESLIDING": (lambda: with_least_error(0.03), 0.04, 0.08),
     "identifiable.QUANTISED": (lambda: with_least_error(0.02, 0.25), 0.0875, 0.175),
     "identifiable.SOFTEST": (lambda: taken("sigma_0", 4e5), 2e5, 4e5),

@@ -20,6 +20,10 @@ QUANTISED = Threshold(
     0.35, "decision 169: contacts of 4.1 to 4.5 steps were fitted with 0.5 to 0.7 steps more"
 )
 """The same in encoder steps of the presliding deflection F_c / sigma_0, where these are coarse."""
+ELASTIC = Threshold(
+    1.2, "decision 177: elasto-plastic contacts lay up to 1.19 times beyond 8 of 12 intervals"
+)
+"""Stiffness of an elasto-plastic contact over the end of the interval of another law."""
 SOFTEST = Threshold(0.5, "decision 62: 0.01 of the stiffness leaves 3.5 times the error")
 """Share of a fitted stiffness or damping below which the compensator does not take it."""
 BEYOND = Threshold(1.25)

@@ -36,9 +36,7 @@ def contradictions(inverse: InverseModel, found: Fit) -> Iterator[Finding]:
         gains = []
         for k in sorted(left, key=lambda k: -whole[k])[:MOST]:
             others = [j for j in left if j != k]
-            few = copy(inverse.over(found.space))
-            few.used = _rows(inverse, others)
-            values = fit(few, [found.q], ROUGH).parameters
+            values = _without(inverse, found, others)
             squares = _squares(inverse, values)
             gain = sum(whole[j] for j in others) / max(sum(squares[j] for j in others), 1e-300)
             gains.append((gain, k, values))
@@ -83,6 +81,13 @@ def _squares(inverse: InverseModel, values: Values) -> list[float]:
     """Return the sum of squares [N^2] that values leave of each log."""
     rest = inverse.measured(values) - inverse.predicted(values)
     return [float(np.sum(rest[_rows(inverse, [k])] ** 2)) for k in range(len(inverse.logs))]
+
+
+def _without(inverse: InverseModel, found: Fit, others: list[int]) -> Values:
+    """Return the values of a fit to some of the logs."""
+    few = copy(inverse.over(found.space))
+    few.used = _rows(inverse, others)
+    return fit(few, [found.q], ROUGH).parameters
 
 
 def _differences(inverse: InverseModel, values: Values, k: int) -> tuple[list[str], float]:

@@ -91,6 +91,22 @@ def among_laws(
     return found
 
 
+def beside_elastic(
+    known: dict[str, Identifiability], law: str, space: ParameterSpace
+) -> dict[str, Identifiability]:
+    """Return the same with intervals of stiffness that hold that of an elasto-plastic contact.
+
+    A log does not tell it from bristles that creep: LuGre's law is fitted softer, GMS stiffer.
+    """
+    factors = {"lugre": (1.0, identifiable.ELASTIC), "gms": (1.0 / identifiable.ELASTIC, 1.0)}
+    one = known.get("sigma_0")
+    if one is None or law not in factors or one.identifiability == NOT_IDENTIFIABLE:
+        return known
+    low, high = (end * k for end, k in zip((one.low, one.high), factors[law], strict=True))
+    wider = Interval(one.value, one.standard_error, low, high)
+    return known | {"sigma_0": _classified("sigma_0", wider, space)}
+
+
 def least_errors(
     errors: Mapping[str, float], values: Values, names: Iterable[str], encoder_step: float
 ) -> dict[str, float]:
