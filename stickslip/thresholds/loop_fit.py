@@ -6,6 +6,12 @@ RUNS_AWAY = Threshold(10.0, "below 4 where a loop follows its command, or sticks
 """Peak of a simulated velocity over the largest commanded one, above which the run has failed."""
 DELAY_AT_BOUND = Threshold(0.01, unit="samples")
 """Distance of the delay from a bound of the fit below which the delay is taken to be outside."""
+DELAY_KNOWN = Threshold(
+    2.0,
+    "decision 178: a friction that misses by 30 % had 2.5; 10 of 127 sound logs",
+    unit="samples",
+)
+"""Standard error of the delay above which intervals are not believed, where the force decides."""
 CHANGE = Threshold(0.03)
 """Relative change of friction from begin to end of a log above which there is a warning."""
 CHANGE_CERTAIN = Threshold(5.0)

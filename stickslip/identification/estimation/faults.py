@@ -31,17 +31,25 @@ def found_faults(
     check: ControllerCheck | None,  # of the controller; None where it is not known
     model_error: float,  # residual of the loop over that from encoder and noise
     change: tuple[float, float],  # what ``change_of_friction`` found
+    delay_error: float = 0.0,  # standard error of the delay [s]
 ) -> Iterator[Finding]:
     """Yield each fault, with its figure and what to do."""
     u = fitted.space
     index = u.index("delay")
     delay, low, high = (float(q[index]) for q in (fitted.q, u.lower, u.upper))
-    near = loop_fit.DELAY_AT_BOUND
+    near, known = loop_fit.DELAY_AT_BOUND, loop_fit.DELAY_KNOWN
     at_low = delay - low < near and criterion != OutputError.name  # no lag is a drive without one
     if at_low or high - delay < near:
         figure = f"{delay:.3g} samples or {1e3 * delay * u.units[index]:.3g} ms"
         advice = "log force and position of the same instants, or shift the force by its delay"
         what = "the delay of the force ends at the bound of the fit"
+        yield Finding("warning", what, figure, advice, spoils="intervals")
+    if criterion != OutputError.name and (error := delay_error / u.units[index]) > known:
+        what, figure = (
+            "the delay of the force is hardly known",
+            f"{delay:.2g} +-{error:.2g} samples",
+        )
+        advice = "log a motion with more acceleration and reversals"
         yield Finding("warning", what, figure, advice, spoils="intervals")
     law = u.law
     if criterion == OutputError.name and not law.is_smooth and model_error > misfit.EXPLAINED:

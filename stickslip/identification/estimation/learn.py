@@ -146,7 +146,7 @@ def _learn(task: Task, scale: motion.Scale, progress: Progress) -> Estimation:
         faults = (
             *task.faults,
             *start.findings,
-            *found_faults(best, criterion, check, model_error, change=change),
+            *found_faults(best, criterion, check, model_error, change, errors.get("delay", 0.0)),
             *held_out.findings,
             *(contradictions(inverse, found) if recording.segments else ()),
         )
