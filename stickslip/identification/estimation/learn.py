@@ -137,7 +137,7 @@ def _learn(task: Task, scale: motion.Scale, progress: Progress) -> Estimation:
             known = among_laws(known, others, start.space)
         errors |= {name: one.standard_error for name, one in sliding.items()}
         step(1, 3)
-        change = change_of_friction(inverse, found.parameters)
+        change, unsure = change_of_friction(inverse, found.parameters), errors.get("delay", 0.0)
         believed = check is not None and not check.error > control_match.EXACT
         held_out = check_held_out(
             inverse, found, task, task.gains if believed else None, scale=scale
@@ -146,7 +146,7 @@ def _learn(task: Task, scale: motion.Scale, progress: Progress) -> Estimation:
         faults = (
             *task.faults,
             *start.findings,
-            *found_faults(best, criterion, check, model_error, change, errors.get("delay", 0.0)),
+            *found_faults(best, criterion, check, model_error, change=change, delay_error=unsure),
             *held_out.findings,
             *(contradictions(inverse, found) if recording.segments else ()),
         )
