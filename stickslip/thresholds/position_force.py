@@ -10,7 +10,7 @@ SIMPLER = Threshold(0.7, "decision 142")
 """Mean square that a further term, or a longer pitch, leaves, over that without it, above which it
 is not considered."""
 HELD = Threshold(
-    0.1, "decision 176: asymmetry of friction looks like up to 0.1 of it on 120 drives"
+    0.1, "decision 176: asymmetry of friction looks like up to 0.09 of it on 40 drives"
 )
 """Constant force over friction from which on an observer leaves it to the controller."""
 FALLS = Threshold(1.0, "an axis that friction holds at rest needs no force")

@@ -208,11 +208,15 @@ def _headline(
     if loop and loop.mismatch and not files:
         return "no compensator is written: the loop as described is not that of the log"
     if loop and not loop.friction_matters and not loop.mismatch and _friction_shows(learned):
-        most = f"{number(100 * loop.share, 3)} % of the {loop.figure} error stays without any"
-        start = f"on the log's motion friction is not the problem: {most} friction"
+        stays = (
+            f"{number(100 * loop.share, 3)} % of the {loop.figure} error stays without any friction"
+        )
+        if loop.share > 1.0:
+            stays = f"without any the {loop.figure} error is {number(loop.share, 3)} times as large"
+        start = f"on the log's motion friction is not the problem: {stays}"
         if not files:
             return start
-        gain = number(100 * (1.0 - loop.share), 2)
+        gain = number(100 * max(1.0 - loop.share, 0.0), 2)
         return (
             f"{start}; what is written takes at most {gain} % of it; the rest is the loop's (below)"
         )
