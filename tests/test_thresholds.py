@@ -380,7 +380,7 @@ def left_to_the_loop(weight):
     """Return the force that an observer leaves to the loop, with friction of 1 N."""
     estimation = namespace(parameters={"F_0": weight})
     learned = namespace(estimation=estimation, friction={"F_c": 1.0}, position_force=None)
-    return loaded(Compensator("observer", "dob"), learned).values.get("F_0")  # noqa: PD011
+    return loaded(Compensator("observer", "dob"), learned).values.get("F_0")  # noqa: PD011 - a mapping
 
 
 def static_friction(deviance):
@@ -1062,7 +1062,11 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "identifiable.WEAKLY": (lambda: level(1.0), NOT_IDENTIFIABLE, "weakly identifiable"),
     "identifiable.TAKEN": (lambda: taken("sigma_0", 4e5, half=0.4) < 4e5, True, False),
     "identifiable.PRIOR_DOMINATED": (lambda: is_prior(0.7), True, False),
-    "identifiable.ELASTIC": (lambda: elastic("lugre"), (0.8, 1.5), (0.8, 3.0)),
+    "identifiable.ELASTIC": (
+        lambda: [elastic("lugre"), elastic("gms")],
+        [(0.8, 1.5), (0.6667, 1.25)],
+        [(0.8, 3.0), (0.3333, 1.25)],
+    ),
     "identifiable.PRESLIDING": (lambda: with_least_error(0.03), 0.04, 0.08),
     "identifiable.QUANTISED": (lambda: with_least_error(0.02, 0.25), 0.0875, 0.175),
     "identifiable.SOFTEST": (lambda: taken("sigma_0", 4e5), 2e5, 4e5),

@@ -31,7 +31,7 @@ def found_faults(
     check: ControllerCheck | None,  # of the controller; None where it is not known
     model_error: float,  # residual of the loop over that from encoder and noise
     change: tuple[float, float],  # what ``change_of_friction`` found
-    delay_error: float = 0.0,  # standard error of the delay [s]
+    delay_error: float,  # standard error of the delay [s]
 ) -> Iterator[Finding]:
     """Yield each fault, with its figure and what to do."""
     u = fitted.space

@@ -19,6 +19,7 @@ from stickslip.planning import Limits, plan
 from stickslip.servo.axis import ControlError
 from stickslip.servo.systems import build_fmus
 from stickslip.studies.learn.learned import learn_recording
+from stickslip.thresholds import loop_fit
 from stickslip.trial.compensator_trial import loops_of_log
 from tests.kept import further
 from tests.stickslip.identification.drives import GAINS, recording
@@ -45,6 +46,16 @@ def test_a_force_out_of_scale_names_the_factor(short, candidates):
     assert fault.spoils == "values"
     assert "identifiable" not in {known.identifiability for known in learned.known.values()}
     assert "weakly identifiable at best" in learned.known["F_c"].sentence
+
+
+def test_with_a_delay_that_is_hardly_known_no_value_is_identifiable(short, candidates, monkeypatch):
+    """Here any error of it is too large."""
+    monkeypatch.setattr(loop_fit, "DELAY_KNOWN", 0.0)
+    learned = learn(Task(candidates, short))
+    (fault,) = learned.faults
+    assert fault.what == "the delay of the force is hardly known"
+    assert fault.figure.endswith(f"+-{learned.errors['delay'] / short.T_s:.2g} samples")
+    assert "identifiable" not in {known.identifiability for known in learned.known.values()}
 
 
 @pytest.mark.thorough
