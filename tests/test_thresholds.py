@@ -20,7 +20,7 @@ from stickslip.errors import IdentificationError, RecordingError, RigError, Usag
 from stickslip.identification import estimation, held_out
 from stickslip.identification.criteria import controller_check, inverse_model
 from stickslip.identification.criteria.controller_check import ControllerCheck
-from stickslip.identification.criteria.runs import Diverged, require_bounded
+from stickslip.identification.criteria.runs import Diverged, candidate_fmus, require_bounded
 from stickslip.identification.estimation import LearnSettings, agreement
 from stickslip.identification.estimation import task as estimation_task
 from stickslip.identification.fitting import bootstrap, identifiability, search, start
@@ -321,6 +321,14 @@ def samples_per_row(rate, noise):
     x += noise * np.random.default_rng(0).standard_normal(len(x))
     recording = Recording(np.arange(len(x)) / rate, x, x)
     return inverse_model.row_length(recording)
+
+
+def cutoff():
+    """Return that of the low-pass for moves of seven samples at 100 Hz."""
+    t = 0.01 * np.arange(1000)
+    x = 1e-3 * np.sin(2.0 * np.pi * 7.0 * t)
+    with candidate_fmus() as fmus:
+        return inverse_model.InverseModel(fmus, Recording(t, x, x)).cutoff
 
 
 def estimated(variance=1.0):
@@ -1018,6 +1026,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     "loop_fit.ALIKE": (lambda: bootstrap.is_alike(3.0), False, True),
     "row_rate.FASTEST": (lambda: samples_per_row(10_000.0, 0.0), 2, 1),
     "row_rate.NOISE": (lambda: samples_per_row(2000.0, 6e-3), 2, 1),
+    "row_rate.QUICK/2": (cutoff, 25.0, 12.5),
     "curve_shown.ROWS": (curve, {"ripple"}, None),
     "curve_shown.CERTAIN": (curve, {"ripple"}, set()),
     "position_force.SHARE": (lambda: holds(0.015, 1e-4), True, False),

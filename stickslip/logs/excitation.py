@@ -68,13 +68,22 @@ def excitation(recording: Recording) -> Excitation:
         speeds=(float(low), float(high)),
         reversals=len(turns),
         one_way=is_one_way(recording, motion),
-        spacing=float(np.median(np.diff(turns))) if len(turns) > 1 else np.inf,
+        spacing=_spacing(turns),
         acceleration=float(np.quantile(np.abs(motion.a), 0.99)),
         mass=float(fit[0]) if np.isfinite(inertial) else np.nan,
         coulomb=float(fit[2]) if np.isfinite(inertial) else np.nan,
         inertial=inertial,
         turn_around=_turn_around(recording, motion, turns, fit),
     )
+
+
+def reverses_quickly(recording: Recording) -> bool:
+    """Tell whether the drive reverses within so few samples that a slow low-pass hides it."""
+    return _spacing(reversals(recording, kinematics(recording))) < log_content.SPACING
+
+
+def _spacing(turns: NDArray[np.intp]) -> float:
+    return float(np.median(np.diff(turns))) if len(turns) > 1 else np.inf
 
 
 def is_one_way(recording: Recording, motion: Kinematics) -> bool:

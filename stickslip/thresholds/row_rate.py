@@ -16,3 +16,5 @@ NOISE = Threshold(
 )
 """Variance of the acceleration by encoder noise, over that of the motion, above which a row takes
 more samples: the mass would come out too small by about that share."""
+QUICK = Threshold(4.0, "decision 179")
+"""Cut-off of the low-pass over the usual one where reversals are too fast for the sample rate."""

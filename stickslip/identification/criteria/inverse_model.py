@@ -4,7 +4,7 @@
 
 F_f comes from the compensator FMU, driven by the recorded velocity, whose sudden changes are kept;
 s is 1, or by what a weight that the drive holds multiplies friction.
-All terms are low-passed alike.
+All terms are low-passed alike, in quick motion less: else moves of few samples would vanish.
 They are compared in rows, means of q samples: friction changes slower than a fast log is sampled,
 and encoder noise that outweighs the acceleration would hide the mass.
 Where friction itself was measured, it stands alone: F = F_f(v) + F_0.
@@ -32,6 +32,7 @@ from stickslip.identification.criteria.motion import (
 )
 from stickslip.identification.criteria.runs import Criterion, Recent, Rows, Runs, together
 from stickslip.logs import Recording
+from stickslip.logs.excitation import reverses_quickly
 from stickslip.models import Law
 from stickslip.servo.lanes import Run
 from stickslip.servo.measurement import Array, derivative, smoothed
@@ -39,7 +40,9 @@ from stickslip.thresholds import row_rate
 
 FEWEST = 4_000  # rows that further averaging leaves
 EDGE = 4.0  # periods of the cut-off that the filter needs at either end
-GUARD = 1.0  # time around rest in which the low-pass mixes both, in periods of the cut-off
+GUARD = 1.0, 0.25
+"""Time around rest in which the low-pass mixes both, in periods of its cut-off: as a rule, and
+where the drive reverses quickly."""
 REST = 3.0  # speed up to which a drive may be at rest, in deviations of its noise
 QUICKER = (2.0, 4.0, 8.0)  # cut-offs of sudden changes of the velocity, over that of the force
 QUICKEST = 0.4  # the same over the rows' rate, at most
@@ -78,7 +81,6 @@ class InverseModel(Criterion):
     """
 
     name = "inverse model"
-    every = int(1.0 / (4.0 * SHARE))  # the low-pass leaves less than a quarter of the band
 
     def __init__(
         self,
@@ -96,7 +98,9 @@ class InverseModel(Criterion):
         self.measures_friction = recording.force is None
         self.q = q or row_length(recording)
         self.T_s = self.q * T_s
-        self.cutoff = cutoff or SHARE / self.T_s
+        is_quick = reverses_quickly(recording)
+        self.cutoff = cutoff or (row_rate.QUICK if is_quick else 1.0) * SHARE / self.T_s
+        self.every = max(1, int(0.25 / (self.cutoff * self.T_s)))  # more of the band is not left
         self.t, self.position = means(recording.t, self.q), means(position, self.q)
         self.force = smoothed(means(measured_force(recording), self.q), self.T_s, self.cutoff)
         self.motion: SmoothMotion = smooth_motion(self.position, self.T_s, self.cutoff)
@@ -106,7 +110,7 @@ class InverseModel(Criterion):
         self.specification = friction_run(fmus, self.motion.v, self.T_s)
         self.law = law or friction_law()
         rests = np.abs(self.motion.v) <= REST * velocity_noise(noise, T_s, self.cutoff)
-        near = np.ones(2 * int(GUARD / self.cutoff / self.T_s) + 1)
+        near = np.ones(2 * int(GUARD[is_quick] / self.cutoff / self.T_s) + 1)
         self.moves = np.convolve(rests, near, "same") < 0.5
         self.slides = self.moves | bool(presliding(self.law))
         # The velocity of row n + 1 is the one at the end of the step from t[n].

@@ -233,7 +233,7 @@ def _fitted(inverse: InverseModel, candidate: Candidate, scale: Scale) -> Fit:
     recording = inverse.recording
     start = begin(inverse, recording, scale)
     space = start.space.level() if candidate.is_level else start.space
-    cutoff, law, q = inverse.cutoff, candidate.law, THIN * inverse.q
+    cutoff, law, q = inverse.cutoff, candidate.law, inverse.every * inverse.q
     with InverseModel(inverse.fmus, recording, cutoff, law=law, q=q) as thin:
         criterion = thin.over(space)
         starts = [space.encode(start.line), *_points(criterion, start, space)]

@@ -121,6 +121,22 @@ def test_a_mass_beside_the_friction_of_quick_reversals_is_not_known(mass, known)
         assert str(found.loops).startswith("m is not known, as reversals are too fast")
 
 
+@pytest.mark.parametrize("mass", [2.0, *further(0.8)])
+def test_friction_of_quick_reversals_is_found(mass):
+    """Seven samples from one to the next: a low-pass of 16 samples would hide them."""
+    fine = np.arange(20_000) * 1e-3
+    v = 0.05 * np.sin(2.0 * np.pi * np.where(fine < 14.0, 0.5, 7.0) * fine)
+    force = F_C * np.tanh(v / 1e-4) + mass * np.gradient(v, 1e-3) + v
+    t, x, force = (signal[::10] for signal in (fine, np.cumsum(v) * 1e-3, force))
+    with candidate_fmus("coulomb_stribeck") as fmus:
+        settings = LearnSettings(law="coulomb_stribeck")
+        found = learn(Task(fmus, Recording(t, x, force, source="it"), None, settings))
+    for name, true in {"F_c": F_C, "m": mass}.items():
+        known = found.known[name]
+        assert known.identifiability != NOT_IDENTIFIABLE
+        assert known.low <= true <= known.high < 1.2 * known.low
+
+
 def recorded(name, drift, folder):
     drive = DRIVES[name]
     build_fmus(folder, {"law": drive.law, **drive.parameters})
