@@ -210,14 +210,16 @@ def _curve_of(
 def _massless(m: float, error: float, figure: str) -> tuple[Finding, ...]:
     """Return what to tell of a mass of a straight line, with its standard error, that is negative.
 
-    Where that is more than chance, the drive hardly slides, or the force is at fault.
+    Where that is more than chance, the drive hardly slides, so that its friction does not show
+    either, or the force is at fault.
     """
     if m >= 0.0:
         return ()
     advice = "log quicker ramps of velocity: stickslip plan --show m"
     found = Finding("warning", "the mass does not show", figure, advice, hides=("m",))
     certain = m < -curve_shown.NEGATIVE * error
-    return (replace(found, spoils="intervals") if certain else found,)
+    both = {"spoils": "intervals", "hides": ("m", "F_c", "F_s")}
+    return (replace(found, **both) if certain else found,)
 
 
 def _is_shown(line: Values) -> bool:
