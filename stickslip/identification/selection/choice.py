@@ -6,7 +6,7 @@ from operator import attrgetter
 
 import numpy as np
 
-from stickslip.catalog.parameters import presliding, unit_of
+from stickslip.catalog.parameters import presliding
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.held_out import folds, is_less
 from stickslip.identification.selection.prediction import Prediction, candidates, memory
@@ -151,7 +151,7 @@ class Choice:
         return [one for one in self.predictions if one.force <= most]
 
 
-def choose(predictions: Sequence[Prediction], *, rotary: bool = False) -> Choice:
+def choose(predictions: Sequence[Prediction]) -> Choice:
     """Choose the first of the laws that are tied with the one that predicts best.
 
     Coulomb and viscous friction is the first, LuGre the second. None is chosen that predicts worse
@@ -173,8 +173,8 @@ def choose(predictions: Sequence[Prediction], *, rotary: bool = False) -> Choice
     most = min(most, best.force / law_choice.UNIDENTIFIED)
     tied = [one for one in able if one is best or (one.force <= most and not is_better(best, one))]
     chosen, others = tied[0], [one.candidate.title for one in tied[1:]]
-    force = f"{chosen.force:.3g} {unit_of('F_c', rotary=rotary)}"
-    reason = f"{chosen.candidate.title} predicts the parts held out within {force}"
+    rank = "best" if chosen is best else "within chance of the best"
+    reason = f"{chosen.candidate.title} predicts the parts held out {rank}"
     if chosen.candidate.is_level:
         reason += (
             ", and nothing more can be seen in this log: neither presliding nor a Stribeck curve"

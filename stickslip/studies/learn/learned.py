@@ -280,7 +280,7 @@ def learn_recording(
         progress.stage("comparing friction laws")
         compared = with_force(recording, gains)
         tried = predictions(compared, gains, workers=settings.workers)
-        choice = choose(tried, rotary=recording.rotary)
+        choice = choose(tried)
         settings = replace(settings, law=choice.chosen.candidate.law.name)
     with candidate_fmus(settings.law) as fmus:
         task = Task(fmus, recording, gains, settings, faults=faults, choice=choice)

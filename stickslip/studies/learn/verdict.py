@@ -396,10 +396,13 @@ def _doubts(learned: LearnedFromRecording) -> Iterator[str]:
     found += learned.trial_warnings
     faults = {str(one) for one in estimation.faults}
     warnings = [
-        one for one in learned.findings if one.severity == "warning" and str(one) not in faults
+        one.what
+        for one in learned.findings
+        # what was learned tells better than the log what is identifiable
+        if one.severity == "warning" and str(one) not in faults and "identifiable" not in one.what
     ]
     if warnings:
-        found.append(f"warnings about the log: {'; '.join(one.what for one in warnings)}")
+        found.append(f"warnings about the log: {'; '.join(warnings)}")
     yield from map(with_settings, found)
 
 

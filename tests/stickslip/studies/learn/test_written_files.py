@@ -295,6 +295,13 @@ def test_the_verdict_tells_what_assumed_units_give_and_how_to_correct_a_force(so
     assert "state no unit" not in "".join(verdict_of(replace(sound, estimation=confirmed)).doubts)
 
 
+def test_the_verdict_leaves_out_what_a_log_was_expected_to_show(sound):
+    both = "times are uneven", "sigma_0 and sigma_1 are poorly identifiable"
+    told = tuple(Finding("warning", what, "it") for what in both)
+    doubts = verdict_of(replace(sound, findings=told)).doubts
+    assert doubts[-1] == "warnings about the log: times are uneven"
+
+
 def test_without_a_folder_the_verdict_tells_what_would_be_written(sound):
     assert lines(verdict_of(sound), None, None)[1].startswith("would write DIR/compensator.fmu")
     tuned = replace(verdict_of(sound), remedies=("'stickslip tune learned.json' searches it",))
