@@ -218,8 +218,8 @@ def _massless(m: float, error: float, figure: str) -> tuple[Finding, ...]:
     advice = "log quicker ramps of velocity: stickslip plan --show m"
     found = Finding("warning", "the mass does not show", figure, advice, hides=("m",))
     certain = m < -curve_shown.NEGATIVE * error
-    both = {"spoils": "intervals", "hides": ("m", "F_c", "F_s")}
-    return (replace(found, **both) if certain else found,)
+    hardly = replace(found, spoils="intervals", hides=("m", "F_c", "F_s"))
+    return (hardly if certain else found,)
 
 
 def _is_shown(line: Values) -> bool:
