@@ -702,8 +702,7 @@ def is_short_travel(steps):
 
 def one_way(share):
     v = np.where(np.arange(1000) < 1000 * share, -1.0, 1.0)
-    with patch("stickslip.logs.excitation.sliding", lambda *_: np.full(1000, True)):
-        return is_one_way(namespace(T_s=T_S), namespace(v=v))
+    return is_one_way(namespace(v=v, floor=0.5))
 
 
 TABLE: Any = namespace(path="log.csv", row=int, part=lambda _: TABLE)

@@ -287,7 +287,7 @@ def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
         hides = ("m",) if shown.inertial < log_content.INERTIAL else ()  # friction passes for it
         yield Finding("warning", what, figure, advice, spoils="intervals", hides=hides)
     if shown.one_way:
-        figure = f"{shown.reversals} reversals, and it slides in one direction only"
+        figure = f"{shown.reversals} reversals, and it moves in one direction only"
         advice = f"move it both ways, {PLAN} F_c"
         yield Finding("warning", ONE_WAY, figure, advice, spoils="values", hides=("F_c", "F_s"))
     elif shown.reversals < log_content.REVERSALS:

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.logs.motion import Kinematics, kinematics, rigid, sliding
+from stickslip.logs.motion import Kinematics, kinematics, rigid
 from stickslip.logs.recording import Recording
 from stickslip.servo.measurement import Array, smoothed
 from stickslip.thresholds import log_content
@@ -36,7 +36,7 @@ class Excitation:
     slow_samples: int  # as many samples
     speeds: tuple[float, float]  # 5 % and 95 % of the moving time are slower [m/s]
     reversals: int  # of the direction
-    one_way: bool  # whether it slides in one direction only, by ``log_content.ONE_WAY``
+    one_way: bool  # whether it moves in one direction only, by ``log_content.ONE_WAY``
     spacing: float  # median samples between two reversals; inf with fewer
     acceleration: float  # 99 % of the samples have less [m/s^2]
     mass: float  # of a rigid drive with Coulomb and viscous friction, fitted while sliding [kg]
@@ -67,7 +67,7 @@ def excitation(recording: Recording) -> Excitation:
         slow_samples=int(np.sum(slow)),
         speeds=(float(low), float(high)),
         reversals=len(turns),
-        one_way=is_one_way(recording, motion),
+        one_way=is_one_way(motion),
         spacing=_spacing(turns),
         acceleration=float(np.quantile(np.abs(motion.a), 0.99)),
         mass=float(fit[0]) if np.isfinite(inertial) else np.nan,
@@ -86,11 +86,10 @@ def _spacing(turns: NDArray[np.intp]) -> float:
     return float(np.median(np.diff(turns))) if len(turns) > 1 else np.inf
 
 
-def is_one_way(recording: Recording, motion: Kinematics) -> bool:
-    """Tell whether fast motion, if there is any, has one direction."""
-    ahead = motion.v[sliding(motion, recording.T_s)] > 0.0
-    share = float(np.mean(ahead)) if len(ahead) else 0.5
-    return min(share, 1.0 - share) < log_content.ONE_WAY
+def is_one_way(motion: Kinematics) -> bool:
+    """Tell whether nearly all of the way, if there is any, has one direction."""
+    ways = [np.sum(np.abs(motion.v[way * motion.v > motion.floor])) for way in (1.0, -1.0)]
+    return min(ways) < log_content.ONE_WAY * sum(ways)
 
 
 def reversals(recording: Recording, motion: Kinematics) -> NDArray[np.intp]:

@@ -101,7 +101,7 @@ def _shared(recording: Recording, force: Array, motion: Kinematics) -> float:
     that of slow motions.
     """
     moving = np.abs(motion.v) > motion.floor
-    if np.mean(moving) < log_unit.MOVING or is_one_way(recording, kinematics(recording)):
+    if np.mean(moving) < log_unit.MOVING or is_one_way(kinematics(recording)):
         return 1.0
     way = smoothed(np.sign(motion.v) * moving, recording.T_s, motion.cutoff)
     columns, _ = basis(np.column_stack([np.ones_like(way), motion.v, motion.a, way]))

@@ -103,6 +103,9 @@ def test_motion_in_one_direction_hides_coulomb_friction():
         assert "cannot be told apart" in found.what
         assert "F_c" in found.hides
     assert not any(one.hides for one in check_recording(DRIVE))
+    swung = 0.05 * np.sin(2 * np.pi * t) + np.where(t < 1, 2.0 * np.sin(np.pi * t) ** 2, 0.0)
+    both_ways = Recording(t, np.cumsum(swung) * drive.T_s, 4.0 * np.sign(swung))
+    assert not any("F_c" in one.hides for one in check_recording(both_ways))
 
 
 N, T_s = 400_000, 1e-3
