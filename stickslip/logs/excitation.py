@@ -88,7 +88,7 @@ def _spacing(turns: NDArray[np.intp]) -> float:
 
 def is_one_way(motion: Kinematics) -> bool:
     """Tell whether nearly all of the way, if there is any, has one direction."""
-    ways = [np.sum(np.abs(motion.v[way * motion.v > motion.floor])) for way in (1.0, -1.0)]
+    ways = [float(np.sum(np.abs(motion.v[k * motion.v > motion.floor]))) for k in (1.0, -1.0)]
     return min(ways) < log_content.ONE_WAY * sum(ways)
 
 
