@@ -57,6 +57,7 @@ def saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
     at constant speed. It is limited only where the force command is larger, or where the error of
     the motion grows, by so much that the loop would command more.
     """
+    unit = "N m" if recording.rotary else "N"
     for name in ("force", "force_command"):
         force = getattr(recording, name)
         if force is None:
@@ -68,11 +69,11 @@ def saturation(recording: Recording, limit: float | None) -> Iterator[Finding]:
             marked = _held_back(recording, name, force, at)
             if (share := float(np.mean(marked))) > (0.0 if at else log_force.SELDOM):
                 advice = "there it does not follow its command; log a gentler motion"
-                what = f"{name} saturates at {float(np.max(np.abs(force[marked]))):.4g}"
+                what = f"{name} saturates at {float(np.max(np.abs(force[marked]))):.4g} {unit}"
                 yield Finding("warning", what, f"{share:.2%}", advice, spoils="intervals")
                 break
         if exceeds:
-            figure = f"{most:.4g} against {limit:.4g}"
+            figure = f"{most:.4g} against {limit:.4g} {unit}"
             advice = "check unit and scale, and that it was logged behind the limit"
             what = f"{name} exceeds the force limit"
             yield Finding("warning", what, figure, advice, spoils="values")

@@ -21,4 +21,5 @@ LIKELY = Threshold(0.5)
 def excess(ratio: float, by: str = "noise and encoder steps") -> str:
     """Return an error in words, over the one that is explained ``by`` something."""
     limits = f"at most {NOTED:g} is good, above {EXPLAINED:g} too much"
-    return f"{ratio:.2g} times what {by} explain ({limits})"
+    times = f"{ratio:.2g}" if ratio < 100.0 else "more than 100"
+    return f"{times} times what {by} explain ({limits})"

@@ -188,7 +188,7 @@ def test_a_limit_is_found_where_the_error_of_the_motion_grows(limits):
         noise = size * np.random.default_rng(0).standard_normal(N)
         noisy = replace(log, force=log.force + noise)
         found = said(noisy)
-        assert float(found.split("saturates at ")[1].split(":")[0]) == pytest.approx(7.5, rel=0.02)
+        assert float(found.split("saturates at ")[1].split(" N: ")[0]) == pytest.approx(7.5, rel=0.02)
         assert found == said(noisy, force_limit=60.0)  # the limit is lower than stated
 
 
@@ -212,7 +212,7 @@ def test_a_limit_that_is_exceeded_limits_nothing():
 
 def test_a_limit_is_found_where_the_force_command_is_larger():
     log = run(SWEEP, b=90.0, limits=(-11.0, 13.0))
-    told = said(log).split("saturates at 13: ")[1]
+    told = said(log).split("saturates at 13 N: ")[1]
     share = np.mean((log.force > 12.8) | (log.force < -10.8))
     assert float(told.split("%")[0]) == pytest.approx(100 * share, rel=0.1)
     assert "saturates" not in said(replace(log, force_command=log.force))
