@@ -313,8 +313,8 @@ def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
         return
     counts = f", {turn.counts:.0f} encoder steps" if np.isfinite(turn.counts) else ""
     figure = (
-        f"{turn.times} velocity reversals; friction reverses within"
-        f" {quantity(turn.distance, unit)}{counts} and {turn.samples:.0f} samples"
+        f"friction turns at {turn.times} reversals, within {quantity(turn.distance, unit)}{counts}"
+        f" and {turn.samples:.0f} samples"
     )
     fine = turn.times * turn.samples >= log_content.TURNS
     fine &= min(turn.counts, turn.samples) >= log_content.TURN

@@ -333,7 +333,7 @@ class Benefit:
             return "with which it errs least"
         where = ("at " if worst.command[0].isdigit() else "in ") + worst.command
         friction = "" if worst.level == 1.0 else f" with {worst.level:g} times the friction"
-        error = f"the error {where}{friction} may be {worst.ratio:.2g} times as large"
+        error = f"the error {where}{friction} may be {worst.ratio:.3g} times as large"
         return f"with all of it{self._alone} {error}"
 
     @property

@@ -126,9 +126,11 @@ class CompensatorComparison:
                 f"no compensator that is in no motion worse than none leaves less than"
                 f" {offer.GAIN:g} of the error"
             )
+        worst = other.benefit.worst_ratio if other.benefit else 1.0
+        more = f", but up to {worst:.3g} times as much on a drive" if other.mean < one.mean else ""
         return (
             f"{one.name} leaves {one.mean:.3g} of the error without compensation, the next simpler,"
-            f" {other.name}, leaves {other.mean:.3g}"
+            f" {other.name}, leaves {other.mean:.3g}{more}"
         )
 
     def whole(self) -> "CompensatorComparison":

@@ -173,12 +173,9 @@ def choose(predictions: Sequence[Prediction]) -> Choice:
     most = min(most, best.force / law_choice.UNIDENTIFIED)
     tied = [one for one in able if one is best or (one.force <= most and not is_better(best, one))]
     chosen, others = tied[0], [one.candidate.title for one in tied[1:]]
-    rank = "best" if chosen is best else "within chance of the best"
-    reason = f"{chosen.candidate.title} predicts the parts held out {rank}"
+    reason = f"{chosen.candidate.title}, by what it predicts of the parts held out"
     if chosen.candidate.is_level:
-        reason += (
-            ", and nothing more can be seen in this log: neither presliding nor a Stribeck curve"
-        )
+        reason += "; nothing more can be seen in this log: neither presliding nor a Stribeck curve"
     elif others:
         reason += f"; {' and '.join(others)} tie with it"
     return Choice(tuple(predictions), chosen, reason)

@@ -213,7 +213,7 @@ def _headline(
         )
         if loop.share > 1.0:
             stays = f"without any the {loop.figure} error is {number(loop.share, 3)} times as large"
-        start = f"on the log's motion friction is not the problem: {stays}"
+        start = f"on {_of(loop.where)} friction is not the problem: {stays}"
         if not files:
             return start
         gain = number(100 * max(1.0 - loop.share, 0.0), 2)
@@ -234,6 +234,11 @@ def _headline(
         return "friction can be compensated; no compensator was tried"
     why = f": {compared.sentence}" if compared and not learned.refusal else ""
     return f"no compensator is written{why}"
+
+
+def _of(place: str) -> str:
+    """Return the command that a place of errors begins with."""
+    return place.partition(",")[0]
 
 
 def _friction_shows(learned: LearnedFromRecording) -> bool:
@@ -367,8 +372,8 @@ def _checks(learned: LearnedFromRecording, files: Sequence[str]) -> Iterator[str
     if COMPENSATOR in files and tracking and tracking.force > 0.0:
         scale = force_scale(motion, tracking.force)
         yield (
-            "drive disabled: a slow positive velocity command must give a positive output; on the"
-            f" log's command it reaches {number(scale.factor * tracking.force, 3)}"
+            "drive disabled: a slow positive velocity command must give a positive output; on"
+            f" {_of(tracking.command)} it reaches {number(scale.factor * tracking.force, 3)}"
             f" {scale.unit.replace(SPACE, ' ')}"
         )
     if {COMPENSATOR, OBSERVER_FMU} & {*files}:

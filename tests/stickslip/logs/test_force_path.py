@@ -188,7 +188,9 @@ def test_a_limit_is_found_where_the_error_of_the_motion_grows(limits):
         noise = size * np.random.default_rng(0).standard_normal(N)
         noisy = replace(log, force=log.force + noise)
         found = said(noisy)
-        assert float(found.split("saturates at ")[1].split(" N: ")[0]) == pytest.approx(7.5, rel=0.02)
+        assert float(found.split("saturates at ")[1].split(" N: ")[0]) == pytest.approx(
+            7.5, rel=0.02
+        )
         assert found == said(noisy, force_limit=60.0)  # the limit is lower than stated
 
 
