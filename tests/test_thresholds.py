@@ -435,12 +435,12 @@ def law(error):
     return choose([plain, predicted("gms", error, shown=())]).chosen.candidate.law.name
 
 
-def with_least_error(error, encoder_step=0.0):
-    """Return the standard error of a stiffness of 1 that a fit gives another one."""
-    values = {"sigma_0": 1.0, "F_c": 1.0}
+def with_least_error(error, encoder_step=0.0, name="sigma_0"):
+    """Return the standard error of a value of 1 that a fit gives another one."""
+    values = {"sigma_0": 1.0, "F_c": 1.0, name: 1.0}
     return identifiability.least_errors(
-        {"sigma_0": error}, values, ["sigma_0"], encoder_step=encoder_step
-    )["sigma_0"]
+        {name: error}, values, ["sigma_0"], encoder_step=encoder_step
+    )[name]
 
 
 def stiffness(error):
@@ -1077,6 +1077,8 @@ CASES: dict[str, tuple[Any, object, object]] = {
     ),
     "identifiable.PRESLIDING": (lambda: with_least_error(0.03), 0.04, 0.08),
     "identifiable.QUANTISED": (lambda: with_least_error(0.02, 0.25), 0.0875, 0.175),
+    "identifiable.STATIC": (lambda: with_least_error(0.01, name="F_s"), 0.02, 0.04),
+    "identifiable.STRIBECK": (lambda: with_least_error(0.01, name="v_s"), 0.08, 0.16),
     "identifiable.SOFTEST": (lambda: taken("sigma_0", 4e5), 2e5, 4e5),
     "identifiable.BEYOND": (lambda: taken("F_s", 12.0), 8.0, 12.0),
     "stage.TRAVEL": (lambda: "200 encoder steps" in inertia(3e-5, 1.0), False, True),

@@ -20,6 +20,10 @@ QUANTISED = Threshold(
     0.35, "decision 169: contacts of 4.1 to 4.5 steps were fitted with 0.5 to 0.7 steps more"
 )
 """The same in encoder steps of the presliding deflection F_c / sigma_0, where these are coarse."""
+STATIC = Threshold(0.02, "decision 181: 78 of 89 intervals held without, 84 with it")
+"""The same of static friction."""
+STRIBECK = Threshold(0.08, "decision 181: 69 of 78 held without, 72 with it")
+"""The same of the Stribeck velocity."""
 ELASTIC = Threshold(
     1.2, "decision 177: elasto-plastic contacts lay up to 1.19 times beyond 8 of 12 intervals"
 )

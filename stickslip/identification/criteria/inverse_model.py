@@ -175,16 +175,22 @@ class InverseModel(Criterion):
 
     def predicted(self, values: Values) -> Array:
         """Return the force (n,) [N] that the values predict for the motion, low-passed."""
-        weights = np.array([values["m"], values["b"], values["F_0"]])
-        if self.measures_friction:
-            weights[:2] = 0.0
-        rigid = self.linear @ weights
-        friction = self.friction(values)
+        rigid, friction = self._rigid(values), self.friction(values)
         if not self.slides.all():
             most = values["F_s" if self.law.steady == "stribeck" else "F_c"] * self.factor
             held = np.clip(self.measured(values) - rigid, -most, most)
             friction = np.where(self.slides, friction, held)
         return np.asarray(rigid + smoothed(friction, self.T_s, self.cutoff))
+
+    def _rigid(self, values: Values) -> Array:
+        weights = np.array([values["m"], values["b"], values["F_0"]])
+        if self.measures_friction:
+            weights[:2] = 0.0
+        return np.asarray(self.linear @ weights)
+
+    def beside_rigid(self, values: Values) -> Array:
+        """Return the measured force (n,) [N] that mass, viscous friction and offset leave."""
+        return self.measured(values) - self._rigid(values)
 
     def measured(self, values: Values) -> Array:
         """Return the measured force (n,) [N] without its delay, low-passed."""

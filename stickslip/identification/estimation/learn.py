@@ -126,7 +126,7 @@ def _learn(task: Task, scale: motion.Scale, progress: Progress) -> Estimation:
         else:
             best, errors = _inverse_model(task, inverse, found, start, sliding=sliding)
             names, step_size = presliding(law), inverse.recording.encoder_step
-            errors |= least_errors(errors, best.parameters, names, step_size) if names else {}
+            errors |= least_errors(errors, best.parameters, names, step_size)
             degrees = BLOCKS - len(found.q)
             table = profiles(best, inverse.map, errors)
         names = start.space.friction if inverse.measures_friction else start.space.reported

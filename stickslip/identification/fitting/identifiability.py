@@ -16,7 +16,7 @@ from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.fitting.fit import Fit, inverse_information
 from stickslip.identification.sliding.friction_curve import Interval
 from stickslip.models import LawParameter
-from stickslip.servo.measurement import Array, smoothed
+from stickslip.servo.measurement import Array
 from stickslip.thresholds import identifiable
 
 IDENTIFIABLE = "identifiable"
@@ -110,13 +110,21 @@ def beside_elastic(
 def least_errors(
     errors: Mapping[str, float], values: Values, names: Iterable[str], encoder_step: float
 ) -> dict[str, float]:
-    """Return standard errors of what shows before break-away, which low-pass and sampling bias.
+    """Return standard errors of what shows in slow motion, which low-pass and sampling bias.
 
-    A contact that bends by few encoder steps [m] looks softer than it is.
+    A contact that bends by few encoder steps [m] looks softer than it is; ``names`` are those of
+    presliding.
     """
-    bent = values["F_c"] / values["sigma_0"]
-    share = max(identifiable.PRESLIDING, identifiable.QUANTISED * encoder_step / bent)
-    return {name: max(errors[name], share * values[name]) for name in names}
+    least: dict[str, float] = {"F_s": identifiable.STATIC, "v_s": identifiable.STRIBECK}
+    if "sigma_0" in values:
+        bent = values["F_c"] / values["sigma_0"]
+        share = max(identifiable.PRESLIDING, identifiable.QUANTISED * encoder_step / bent)
+        least |= dict.fromkeys(names, share)
+    return {
+        name: max(errors[name], share * values[name])
+        for name, share in least.items()
+        if name in errors
+    }
 
 
 def _classified(
@@ -311,6 +319,7 @@ def conservative(
             value, what = least, bound
         elif one.identifiability != IDENTIFIABLE and one.value > most:
             value, what = max(largest, least), VALUE
+            one = replace(one, low=min(one.low, value / identifiable.BEYOND))
         else:
             value, what = max(one.value, least), ""
         template = _template(name, what, one) if what and value < one.value else one.template
@@ -326,8 +335,7 @@ def largest_friction(inverse: InverseModel, values: Values) -> float:
     speed = np.abs(inverse.motion.v[inverse.used])
     slow = speed <= max(CREEP * np.quantile(speed, 0.99), speed.min())
     predicted = inverse.friction(values)
-    modelled = smoothed(predicted, inverse.T_s, inverse.cutoff)[inverse.used]
-    measured = modelled + inverse.residual(values)
+    measured = inverse.beside_rigid(values)[inverse.used]
     largest = (np.max(np.abs(one[slow])) for one in (predicted[inverse.used], measured))
     return float(min(largest))
 

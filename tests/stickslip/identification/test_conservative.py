@@ -1,11 +1,14 @@
 """A value that is not identifiable is taken where it cannot hurt, and none beyond the log."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from stickslip.catalog.parameters import ParameterSpace, friction_law
+from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.fitting.identifiability import (
     IDENTIFIABLE,
     LEVELS,
@@ -16,6 +19,7 @@ from stickslip.identification.fitting.identifiability import (
     conservative,
     largest_friction,
 )
+from stickslip.logs import Recording
 
 LUGRE = {"F_s": 9.0, "F_c": 6.0, "v_s": 5e-4, "sigma_0": 4e5, "sigma_1": 4e3, "m": 5.0, "b": 6.0}
 
@@ -60,6 +64,10 @@ def test_no_static_friction_is_above_the_largest_in_the_log(level):
     found = taken(known({"F_s": 120.0}, F_s=level), 9.0)
     assert found["F_s"] == {NOT_IDENTIFIABLE: 6.0, WEAKLY_IDENTIFIABLE: 9.0}.get(level, 120.0)
     assert taken(known({"F_s": 120.0}, F_s=WEAKLY_IDENTIFIABLE), 5.0)["F_s"] == 6.0
+    far = known({"F_s": 120.0}, F_s=level)
+    far["F_s"] = replace(far["F_s"], low=100.0)
+    low = conservative(far, ParameterSpace.of(friction_law()), 9.0)["F_s"].low
+    assert low == {NOT_IDENTIFIABLE: 6.0, WEAKLY_IDENTIFIABLE: 7.2}.get(level, 100.0)
     space = ParameterSpace.of(friction_law())
     assert bounded_by({**LUGRE, "F_s": 120.0}, space, 9.0) == LUGRE
 
@@ -75,12 +83,24 @@ def test_the_largest_friction_is_the_measured_or_the_predicted_one_at_creep():
         return SimpleNamespace(
             motion=SimpleNamespace(v=v),
             used=slice(0, n),
-            T_s=5e-4,
-            cutoff=900.0,
             friction=lambda _: model,
-            residual=lambda _: rest,
+            beside_rigid=lambda _: model + rest,
         )
 
     noise = np.where(slow, np.random.default_rng(0).normal(0.0, 0.5, n), 50.0)
     assert largest_friction(inverse(noise), {}) == 8.0
     assert largest_friction(inverse(-0.5 * model), {}) < 6.0
+
+
+def test_the_largest_friction_of_a_law_that_holds_is_measured_at_rest():
+    """The force rises to 3 N before each slip; the law would hold 50 N."""
+    t = 1e-3 * np.arange(8000)
+    part, way = t % 1.0, np.where(t % 2.0 < 1.0, 1.0, -1.0)
+    v = 0.05 * way * np.where(part > 0.5, np.sin(2.0 * np.pi * part) ** 2, 0.0)
+    force = way * np.where(part < 0.5, 6.0 * part, 2.0)
+    law = friction_law("coulomb_stribeck")
+    values = {"F_s": 50.0, "F_c": 2.0, "v_s": 1e-6, "delta": 1.0, "F_0": 0.0, "m": 0.0, "b": 0.0}
+    with candidate_fmus(law.name) as fmus:
+        log = Recording(t, 1e-3 * np.cumsum(v), force, source="it")
+        model = InverseModel(fmus, log, law=law)
+        assert largest_friction(model, {**values, "delay": 0.0}) == pytest.approx(3.0, rel=0.05)
