@@ -43,6 +43,7 @@ EDGE = 4.0  # periods of the cut-off that the filter needs at either end
 GUARD = 1.0, 0.25
 """Time around rest in which the low-pass mixes both, in periods of its cut-off: as a rule, and
 where the drive reverses quickly."""
+EVERY = int(1.0 / (4.0 * SHARE))  # the low-pass leaves less than a quarter of the band
 REST = 3.0  # speed up to which a drive may be at rest, in deviations of its noise
 QUICKER = (2.0, 4.0, 8.0)  # cut-offs of sudden changes of the velocity, over that of the force
 QUICKEST = 0.4  # the same over the rows' rate, at most
@@ -100,7 +101,7 @@ class InverseModel(Criterion):
         self.T_s = self.q * T_s
         is_quick = reverses_quickly(recording)
         self.cutoff = cutoff or (row_rate.QUICK if is_quick else 1.0) * SHARE / self.T_s
-        self.every = max(1, int(0.25 / (self.cutoff * self.T_s)))  # more of the band is not left
+        self.every = 1 if is_quick else EVERY
         self.t, self.position = means(recording.t, self.q), means(position, self.q)
         self.force = smoothed(means(measured_force(recording), self.q), self.T_s, self.cutoff)
         self.motion: SmoothMotion = smooth_motion(self.position, self.T_s, self.cutoff)
