@@ -295,16 +295,16 @@ def parts(repetitions):
     return compared_logs._parts(command, [stretch], 1e-3)[1]
 
 
-def faults(delay=5.0, change=(0.0, 0.1), error=0.0):
+def faults(delay=5.0, change=(0.0, 0.1), error=0.0, bent=0.0):
     """Return what spoils intervals of a fit, by its delay, with an error, and a change of friction.
 
-    Delays are in samples.
+    Delays are in samples, the deflection is one of the travel.
     """
     ends = {"lower": np.array([-5.0]), "upper": np.array([20.0]), "units": np.array([T_S])}
     space = namespace(index=lambda _: 0, law=SPACE.law, **ends)
     fitted = namespace(space=space, q=np.array([delay]))
     found = estimation.faults.found_faults(
-        fitted, "inverse model", None, np.nan, change, error * T_S
+        *(fitted, "inverse model", None, np.nan, change), error * T_S, bent
     )
     return [one.what.partition(" of")[0] for one in found if one.spoils == "intervals"]
 
@@ -1019,6 +1019,7 @@ CASES: dict[str, tuple[Any, object, object]] = {
     ),
     "loop_fit.DELAY_AT_BOUND": (lambda: faults(delay=-4.985), [], ["the delay"]),
     "loop_fit.DELAY_KNOWN": (lambda: faults(error=3.0), ["the delay"], []),
+    "loop_fit.SPRING": (lambda: faults(bent=0.3), ["friction turns over much"], []),
     "loop_fit.CHANGE": (lambda: len(faults(change=(0.05, 0.001))), 1, 0),
     "loop_fit.CHANGE_CERTAIN": (lambda: len(faults(change=(0.05, 0.008))), 1, 0),
     "loop_fit.COARSE": (lambda: is_coarse(0.007), True, False),

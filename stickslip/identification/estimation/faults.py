@@ -32,6 +32,7 @@ def found_faults(
     model_error: float,  # residual of the loop over that from encoder and noise
     change: tuple[float, float],  # what ``change_of_friction`` found
     delay_error: float,  # standard error of the delay [s]
+    bent: float,  # presliding deflection over the travel
 ) -> Iterator[Finding]:
     """Yield each fault, with its figure and what to do."""
     u = fitted.space
@@ -51,6 +52,11 @@ def found_faults(
         )
         advice = "log a motion with more acceleration and reversals"
         yield Finding("warning", what, figure, advice, spoils="intervals")
+    if bent > loop_fit.SPRING:
+        what, figure = "friction turns over much of the travel", f"{100.0 * bent:.2g} % of it"
+        advice = "log longer moves; a spring or a cable passes for friction"
+        hides = ("F_c", "F_s")
+        yield Finding("warning", what, figure, advice, spoils="intervals", hides=hides)
     law = u.law
     if criterion == OutputError.name and not law.is_smooth and model_error > misfit.EXPLAINED:
         what = f"the simulated loop with the law {law.title} does not follow the recording"

@@ -146,7 +146,11 @@ def _learn(task: Task, scale: motion.Scale, progress: Progress) -> Estimation:
         faults = (
             *task.faults,
             *start.findings,
-            *found_faults(best, criterion, check, model_error, change=change, delay_error=unsure),
+            *found_faults(
+                *(best, criterion, check, model_error, change),
+                delay_error=unsure,
+                bent=_bent(best.parameters) / float(np.ptp(inverse.position)),
+            ),
             *held_out.findings,
             *(contradictions(inverse, found) if recording.segments else ()),
         )
@@ -183,6 +187,11 @@ def _learn(task: Task, scale: motion.Scale, progress: Progress) -> Estimation:
         faults=faults,
         choice=task.choice,
     )
+
+
+def _bent(values: Values) -> float:
+    """Return the presliding deflection [m]; 0 for a law without."""
+    return values["F_c"] / values["sigma_0"] if "sigma_0" in values else 0.0
 
 
 def _not_explained(corrected: bootstrap.UnbiasedFit, start: Start) -> str:

@@ -58,6 +58,17 @@ def test_with_a_delay_that_is_hardly_known_no_value_is_identifiable(short, candi
     assert "identifiable" not in {known.identifiability for known in learned.known.values()}
 
 
+def test_friction_that_turns_over_much_of_the_travel_is_not_known(short, candidates, monkeypatch):
+    """Here any deflection is too long."""
+    monkeypatch.setattr(loop_fit, "SPRING", 0.0)
+    learned = learn(Task(candidates, short))
+    (fault,) = learned.faults
+    bent = learned.fit.parameters["F_c"] / learned.fit.parameters["sigma_0"]
+    share = 100.0 * bent / np.ptp(short.position)
+    assert fault.figure == f"{share:.2g} % of it"
+    assert learned.known["F_c"].identifiability == NOT_IDENTIFIABLE
+
+
 @pytest.mark.thorough
 def test_rejected_gains_change_nothing(short, candidates):
     """They once kept the correction of the encoder's bias from being made."""
