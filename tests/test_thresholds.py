@@ -1078,6 +1078,10 @@ CASES: dict[str, tuple[Any, object, object]] = {
     ),
     "identifiable.PRESLIDING": (lambda: with_least_error(0.03), 0.04, 0.08),
     "identifiable.QUANTISED": (lambda: with_least_error(0.02, 0.25), 0.0875, 0.175),
+    "identifiable.BESIDE_FORCE": (
+        lambda: identifiability.beside_force({"F_c": 1e-3}, {"F_c": 1.0})["F_c"],
+        *(0.007, 0.014),
+    ),
     "identifiable.STATIC": (lambda: with_least_error(0.01, name="F_s"), 0.02, 0.04),
     "identifiable.STRIBECK": (lambda: with_least_error(0.01, name="v_s"), 0.08, 0.16),
     "identifiable.SOFTEST": (lambda: taken("sigma_0", 4e5), 2e5, 4e5),

@@ -20,6 +20,10 @@ QUANTISED = Threshold(
     0.35, "decision 169: contacts of 4.1 to 4.5 steps were fitted with 0.5 to 0.7 steps more"
 )
 """The same in encoder steps of the presliding deflection F_c / sigma_0, where these are coarse."""
+BESIDE_FORCE = Threshold(
+    7e-3, "decision 182: of 40 vertical axes and arms F_c held on 33 without, on 37 with it"
+)
+"""The same of Coulomb friction beside a force of position, whatever decides."""
 STATIC = Threshold(0.02, "decision 181: 78 of 89 intervals held without, 84 with it")
 """The same of static friction."""
 STRIBECK = Threshold(0.08, "decision 181: 69 of 78 held without, 72 with it")

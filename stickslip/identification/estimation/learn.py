@@ -38,6 +38,7 @@ from stickslip.identification.fitting.fit import (
 )
 from stickslip.identification.fitting.identifiability import (
     among_laws,
+    beside_force,
     conservative,
     identifiability,
     largest_friction,
@@ -129,6 +130,8 @@ def _learn(task: Task, scale: motion.Scale, progress: Progress) -> Estimation:
             errors |= least_errors(errors, best.parameters, names, step_size)
             degrees = BLOCKS - len(found.q)
             table = profiles(best, inverse.map, errors)
+        if recording.known_force is not None:
+            errors = beside_force(errors, best.parameters)
         names = start.space.friction if inverse.measures_friction else start.space.reported
         known = {name: identifiability(name, best, errors, degrees) for name in names}
         known = of_sliding(known, sliding, start.space)

@@ -127,6 +127,11 @@ def least_errors(
     }
 
 
+def beside_force(errors: Mapping[str, float], values: Values) -> dict[str, float]:
+    """Return standard errors where a force of position was taken off the force."""
+    return {**errors, "F_c": max(errors["F_c"], identifiable.BESIDE_FORCE * values["F_c"])}
+
+
 def _classified(
     name: str, interval: Interval, space: ParameterSpace, *, shown: bool = True
 ) -> Identifiability:

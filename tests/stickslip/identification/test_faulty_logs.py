@@ -19,7 +19,7 @@ from stickslip.planning import Limits, plan
 from stickslip.servo.axis import ControlError
 from stickslip.servo.systems import build_fmus
 from stickslip.studies.learn.learned import learn_recording
-from stickslip.thresholds import loop_fit
+from stickslip.thresholds import identifiable, loop_fit
 from stickslip.trial.compensator_trial import loops_of_log
 from tests.kept import further
 from tests.stickslip.identification.drives import GAINS, recording
@@ -67,6 +67,13 @@ def test_friction_that_turns_over_much_of_the_travel_is_not_known(short, candida
     share = 100.0 * bent / np.ptp(short.position)
     assert fault.figure == f"{share:.2g} % of it"
     assert learned.known["F_c"].identifiability == NOT_IDENTIFIABLE
+
+
+def test_friction_beside_a_force_of_position_is_known_less_well(short, candidates):
+    held = learn(Task(candidates, replace(short, known_force=np.zeros(len(short.t)))))
+    F_c, free = held.known["F_c"], learn(Task(candidates, short)).known["F_c"]
+    assert free.standard_error < identifiable.BESIDE_FORCE * free.value
+    assert F_c.standard_error == pytest.approx(identifiable.BESIDE_FORCE * F_c.value, rel=0.01)
 
 
 @pytest.mark.thorough
