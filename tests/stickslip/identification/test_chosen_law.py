@@ -110,7 +110,7 @@ def test_the_law_is_chosen_by_what_it_predicts(tmp_path, capsys):
     how = ["--criterion", "inverse", "--out", str(tmp_path / "out")]
     assert main(["learn", str(log), "--law", "auto", "-v", *how]) == 0
     printed = capsys.readouterr().out
-    assert "law: GMS predicts" in printed
+    assert "law: GMS, by what it predicts" in printed
     learned = json.loads((tmp_path / "out" / "learned.json").read_text())
     assert learned["law"] == "gms"
     errors = {row["law"]: row["held_out_error"] for row in learned["prediction"]["laws"]}

@@ -350,7 +350,7 @@ def test_why_less_than_the_whole_force_is_written_names_its_worst_motion():
     assert Benefit(1.0, (*rows,), (*rows,)).why_less == ""
     assert Benefit(0.7, (*rows,), (*rows,)).why_less == "with which it errs least"
     worse = (*rows, replace(rows[0], compensated=1.44))
-    expected = "the error in creep with 0.7 times the friction may be 1.4 times as large"
+    expected = "the error in creep with 0.7 times the friction may be 1.44 times as large"
     assert Benefit(0.7, (*rows,), worse).why_less == f"with all of it {expected}"
     both = Variant("both", (Compensator("compensator", ""), Compensator("observer", "")))
     found = Benefit(0.7, (*rows,), worse, variant=both)  # whose whole force is the feedforward's
