@@ -303,9 +303,8 @@ def faults(delay=5.0, change=(0.0, 0.1), error=0.0, bent=0.0):
     ends = {"lower": np.array([-5.0]), "upper": np.array([20.0]), "units": np.array([T_S])}
     space = namespace(index=lambda _: 0, law=SPACE.law, **ends)
     fitted = namespace(space=space, q=np.array([delay]))
-    found = estimation.faults.found_faults(
-        *(fitted, "inverse model", None, np.nan, change), error * T_S, bent
-    )
+    given = {"change": change, "delay_error": error * T_S, "bent": bent}
+    found = estimation.faults.found_faults(fitted, "inverse model", None, np.nan, **given)
     return [one.what.partition(" of")[0] for one in found if one.spoils == "intervals"]
 
 

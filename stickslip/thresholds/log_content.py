@@ -26,7 +26,7 @@ SLOW = Threshold(0.05)
 """Share of the motion that is slow below which F_s and v_s are poorly identifiable."""
 SPEEDS = Threshold(3)
 """Ratio of the largest to the smallest usual speed below which b and F_c are hard to separate."""
-ONE_WAY = Threshold(0.01, "decision 180: 0.002 and less in seven logs, 0.45 and more in eight")
+ONE_WAY = Threshold(0.01, "decision 180: 0.002 and less in seven logs, 0.44 and more in eight")
 """Share of the way in the other direction below which F_c and the offset cannot be told apart."""
 REVERSALS = Threshold(2)
 """Reversals below which F_c and the offset are hard to separate."""

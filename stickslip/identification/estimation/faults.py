@@ -66,9 +66,7 @@ def found_faults(
     if abs(drift) > max(loop_fit.CHANGE, loop_fit.CHANGE_CERTAIN * error):
         what = "friction changes over the recording"
         figure = f"by {100.0 * drift:+.2g} % from its beginning to its end, +-{100.0 * error:.2g} %"
-        advice = "run the drive until it is warm, and log again"
-        if abs(drift) > 1.0:  # no friction does that
-            advice = "look for another force on the drive, as of a spring, a cable or a weight"
+        advice = "run the drive until it is warm, and log again; above 100 % it is another force"
         yield Finding("warning", what, figure, advice, spoils="intervals")
     if check is not None and check.factor != 1.0:
         what = "the logged force is out of scale with the force that the controller commands"

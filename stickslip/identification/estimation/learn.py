@@ -141,6 +141,7 @@ def _learn(task: Task, scale: motion.Scale, progress: Progress) -> Estimation:
         errors |= {name: one.standard_error for name, one in sliding.items()}
         step(1, 3)
         change, unsure = change_of_friction(inverse, found.parameters), errors.get("delay", 0.0)
+        bent = _bent(best.parameters) / float(np.ptp(inverse.position))
         believed = check is not None and not check.error > control_match.EXACT
         held_out = check_held_out(
             inverse, found, task, task.gains if believed else None, scale=scale
@@ -150,9 +151,7 @@ def _learn(task: Task, scale: motion.Scale, progress: Progress) -> Estimation:
             *task.faults,
             *start.findings,
             *found_faults(
-                *(best, criterion, check, model_error, change),
-                delay_error=unsure,
-                bent=_bent(best.parameters) / float(np.ptp(inverse.position)),
+                best, criterion, check, model_error, change=change, delay_error=unsure, bent=bent
             ),
             *held_out.findings,
             *(contradictions(inverse, found) if recording.segments else ()),

@@ -63,7 +63,6 @@ STARTS = 2  # best of these from which a fit starts, beside the straight line
 REACH = 1.0  # distance of the points from the prior mean, in prior standard deviations
 STEPS = (1.0, 0.3, 1.0)  # shares of the Gauss steps to the fit of a fold; bad ones are skipped
 AT_BOUND = 1e-6  # distance from a bound below which a coordinate stays there
-THIN = 4  # rows in one that starts the fits; the low-pass leaves less than a quarter of the band
 
 
 @dataclass(frozen=True)
