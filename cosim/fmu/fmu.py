@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -252,9 +253,15 @@ def described(path: Path) -> tuple[Path, Description]:
         hint = f"; there is {near[0]}, which must be at the root and spelled so" if near else ""
         raise FmuError(f"{path}: {_DESCRIPTION} is missing; this is not an FMU{hint}")
     try:
-        return folder, read_description(parse_xml((folder / _DESCRIPTION).read_bytes()))
+        return folder, _description(folder)
     except (Malformed, DescriptionFault) as fault:
         raise FmuError(f"{path}: {_DESCRIPTION}: {fault}") from fault
+
+
+@lru_cache(maxsize=64)
+def _description(folder: Path) -> Description:
+    """Return what a folder describes, whose name is a hash of its content."""
+    return read_description(parse_xml((folder / _DESCRIPTION).read_bytes()))
 
 
 def warn_of(path: Path, description: Description) -> None:

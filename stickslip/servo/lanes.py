@@ -90,7 +90,7 @@ class Lanes:
         ranges, columns = [], {name: k for k, name in enumerate(system.inputs)}
         found, firsts = {}, {}
         for name, one in system.fmus("lanes").items():
-            if (model := models.model_of(one.path)) is None:
+            if (model := _model_of(one)) is None:
                 raise NoLanes(f"{name} is not of our models")
             found[name] = model
         for name in plan.order:
@@ -229,6 +229,15 @@ def lanes_of(specification: cosim.Specification) -> Lanes | None:
     except NoLanes as reason:
         _log.info("%s: runs go one by one: %s", specification.system.name, reason)
         return None
+
+
+_MODELS: dict[Path, models.Model | None] = {}  # by folder, which a hash of the content names
+
+
+def _model_of(fmu: cosim.Fmu) -> models.Model | None:
+    if fmu.folder not in _MODELS:
+        _MODELS[fmu.folder] = models.model_of(fmu.path)
+    return _MODELS[fmu.folder]
 
 
 @cache

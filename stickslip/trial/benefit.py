@@ -11,11 +11,12 @@ compensator can still do. In a cascade the position counts, too.
 """
 
 import math
+import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import chain, groupby
+from itertools import chain, groupby, product
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +51,7 @@ from stickslip.trial.family import (
 
 SHARES = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2)
 FIGURES = ("velocity", "position")  # what errors are of; that of the position counts in a cascade
+TOGETHER = 8  # commands of a sweep that are run at once, though one of them may end it
 _LEAST = 1e-9  # ratio that counts as none
 RISING = "dahl"  # law of a feedforward that rises along the way, of any bench
 FEEDFORWARD = "compensator"  # component that a share reduces, and the model of any law
@@ -396,8 +398,14 @@ class Bench:
             own = one.law or self.law.name if one.model == FEEDFORWARD else None
             kinds[one.file or one.model] = one.model, own
         for file, (model, own) in kinds.items():
-            if not (folder / f"{file}.fmu").exists():
+            if (folder / f"{file}.fmu").exists():
+                continue
+            alike = next(self.folder.glob(f"*/{file}.fmu"), None) if model != "drive" else None
+            if alike is None:
                 models.build_fmu(model, folder, law=own, called=file)
+            else:
+                folder.mkdir(exist_ok=True)
+                shutil.copy(alike, folder)
         return folder
 
     @property
@@ -490,7 +498,11 @@ class Bench:
         """
         found = Rows()
         deciding = [one for one in self.drives if one.decides]
-        for command in sorted(self.sweep, key=lambda one: -self._worst.get(one, 0.0)):
+        worst_first = sorted(self.sweep, key=lambda one: -self._worst.get(one, 0.0))
+        self._errors(NONE, list(product(deciding, worst_first)))
+        for k, command in enumerate(worst_first):
+            if not k % TOGETHER:
+                self._errors(variant, list(product(deciding, worst_first[k : k + TOGETHER])))
             cells = [(drive, command) for drive in deciding]
             without = [(0.0,)] * len(cells)
             for one in self._beside[command]:
@@ -603,7 +615,7 @@ class LoopRuns(ExitStack):
         self._runs: dict[str, Runs] = {}  # by law of the drive
 
     def outcomes(
-        self, loops: Sequence[Mapping[str, float]], cells: Sequence[Cell], *, in_lanes: bool = True
+        self, loops: Sequence[Mapping[str, float]], cells: Sequence[Cell]
     ) -> list[list[Outcome]]:
         """Return the run with each of some parameters in each cell, or why it failed."""
         found: dict[tuple[int, int], Outcome] = {}
@@ -612,7 +624,7 @@ class LoopRuns(ExitStack):
             own.sort(key=lambda k: cells[k][1].name)  # lanes have one command
             places = [(i, k) for k in own for i in range(len(loops))]
             asked = [self._run(loops[i], cells[k]) for i, k in places]
-            runs = self._of(law).batch(asked, in_lanes=in_lanes)
+            runs = self._of(law).batch(asked)
             for place, outcome in zip(places, runs, strict=True):
                 found[place] = bounded(outcome, "drive.v", self.speed)
         return [[found[i, k] for k in range(len(cells))] for i in range(len(loops))]

@@ -4,17 +4,18 @@ Held with a position error, the integral raises the force until the drive breaks
 above F_c it slips past the target and is held again, on the other side. In the linear loop a force
 meets the stiffness K_p K_x + K_i, so a slow slip is at most about (F_s - F_c) / (K_p K_x + K_i)
 long; the integral then needs (F_s + F_c) / (K_i K_x e) for the way back, with e half of that. The
-drive is held for ``PERIODS`` of that cycle after each motion. Targets lie between two encoder
-steps, where the integral never rests.
+drive is held for ``PERIODS`` of that cycle after a motion, and after a small move behind it. Their
+targets lie between two encoder steps, where the integral never rests.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from stickslip import cosim
-from stickslip.identification.criteria.runs import require_bounded
+from stickslip.identification.criteria.runs import Outcome, Runs, bounded
+from stickslip.servo.lanes import Run
 from stickslip.servo.measurement import Array, turns
 from stickslip.servo.systems import build_loop
 from stickslip.servo.velocity_loop import VelocityLoop
@@ -25,7 +26,7 @@ from stickslip.trial.family import Drive, axis_values, in_loop
 
 SHORTEST, LONGEST, PERIODS = 1.0, 20.0, 8.0
 """Of a hold [s], and how many periods of the limit cycle to be expected it has."""
-MOVES = (3.5, 25.5, 250.5)  # lengths of small moves before a hold, in encoder steps
+MOVES = (0.0, 3.5, 25.5, 250.5)  # lengths of the moves before a hold, in encoder steps
 RISE = 20  # samples of such a move
 
 
@@ -62,10 +63,7 @@ def holds(bench: Bench, variants: Iterable[Variant]) -> dict[str, Hold]:
     """
     drives = {one.law: one for one in reversed(bench.drives)}
     return {
-        variant.name: max(
-            (_held(bench, drive, variant) for drive in drives.values()),
-            key=lambda hold: (hold.reversals >= caution.REVERSALS, hold.swing),
-        )
+        variant.name: _worst(_held(bench, drive, variant) for drive in drives.values())
         for variant in variants
     }
 
@@ -95,36 +93,35 @@ def described(hold: Hold) -> str:
 def _held(bench: Bench, drive: Drive, variant: Variant) -> Hold:
     loop, step = bench.loop, bench.datasheet.encoder_step
     n = round(hold_time(loop, drive.parameters, step) / loop.T_s)
-    v_cmd, begins = _motions(bench.commands[0].v_cmd, step, n, loop.T_s)
+    every = _commands(bench.commands[0].v_cmd, step, n, loop.T_s)
     feed = feed_of(variant.chain)
     system = build_loop(bench.fmus(drive.law, variant.chain), loop, variant.chain, feed)
-    values = {**axis_values(loop, bench.datasheet), **drive.parameters}
-    system.parameters |= in_loop(values)
-    stop = (len(v_cmd) - 1) * loop.T_s
-    with system.prepare(step=loop.T_s, stop=stop, record=("drive.x", "drive.v")) as simulation:
-        try:
-            run = simulation.run(variant.parameters, loop.commands(v_cmd))
-            require_bounded(run["drive.v"], float(np.max(np.abs(v_cmd))))
-        except cosim.SimulationError:
-            return Hold(np.inf, 2, 0.5 * n * loop.T_s, drive.name)
-    halves = [run["drive.x"][begin + n // 2 : begin + n] for begin in begins]
-    found = [
-        Hold(float(np.ptp(half)), reversals(half, 0.5 * step), 0.5 * n * loop.T_s)
-        for half in halves
-    ]
-    worst = max(found, key=lambda hold: (hold.reversals >= caution.REVERSALS, hold.swing))
-    return replace(worst, drive=drive.name, unit=loop.axis.unit("um"))
+    system.parameters |= in_loop({**axis_values(loop, bench.datasheet), **drive.parameters})
+    stop = (len(every[0]) - 1) * loop.T_s
+    whole = cosim.Specification(system, step=loop.T_s, stop=stop, record=("drive.x", "drive.v"))
+    unit, duration = loop.axis.unit("um"), 0.5 * n * loop.T_s
+
+    def hold(v_cmd: Array, run: Outcome) -> Hold:
+        run = bounded(run, "drive.v", float(np.max(np.abs(v_cmd))))
+        if isinstance(run, cosim.SimulationError):
+            return Hold(np.inf, 2, duration, drive.name, unit)
+        half = run["drive.x"][-(n // 2) :]
+        return Hold(float(np.ptp(half)), reversals(half, 0.5 * step), duration, drive.name, unit)
+
+    with Runs(whole, bench.workers) as runs:
+        found = runs.batch([Run(variant.parameters, loop.commands(v_cmd)) for v_cmd in every])
+    return _worst(map(hold, every, found))
 
 
-def _motions(v_cmd: Array, step: float, n: int, T_s: float) -> tuple[Array, list[int]]:
-    """Return a command and small moves (m,), n samples of rest after each, and where they begin."""
-    rest = np.zeros(n)
+def _worst(found: Iterable[Hold]) -> Hold:
+    return max(found, key=lambda hold: (hold.reversals >= caution.REVERSALS, hold.swing))
+
+
+def _commands(v_cmd: Array, step: float, n: int, T_s: float) -> list[Array]:
+    """Return a command (m,) with a rest, a small move and n samples of rest behind it, by move."""
     shape = (1.0 - np.cos(2.0 * np.pi * np.arange(RISE) / RISE)) / (RISE * T_s)
-    pieces, begins = [v_cmd, rest], [len(v_cmd)]
-    for length in MOVES:
-        begins.append(begins[-1] + n + RISE)
-        pieces += [length * step * shape, rest]
-    return np.concatenate(pieces), begins
+    before, hold = np.append(v_cmd, np.zeros(round(SHORTEST / T_s))), np.zeros(n)
+    return [np.concatenate([before, length * step * shape, hold]) for length in MOVES]
 
 
 def reversals(x: Array, least: float) -> int:

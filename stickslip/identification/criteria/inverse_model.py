@@ -11,13 +11,15 @@ Where friction itself was measured, it stands alone: F = F_f(v) + F_0.
 A law without presliding gives any force up to that of break-away at rest: there F_f balances F.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from stickslip import cosim
+from stickslip import cosim, ga
 from stickslip.catalog.parameters import DRIVE, ParameterSpace, Values, friction_law, presliding
 from stickslip.identification.criteria.motion import (
     SHARE,
@@ -108,7 +110,6 @@ class InverseModel(Criterion):
         factor = recording.friction_factor
         self.factor = np.ones_like(self.t) if factor is None else means(factor, self.q)
         self.used = self._used()
-        self.specification = friction_run(fmus, self.motion.v, self.T_s)
         self.law = law or friction_law()
         rests = np.abs(self.motion.v) <= REST * velocity_noise(noise, T_s, self.cutoff)
         near = np.ones(2 * int(GUARD[is_quick] / self.cutoff / self.T_s) + 1)
@@ -208,11 +209,9 @@ class InverseModel(Criterion):
         at = np.clip(self.recording.t, self.t[0], self.t[-1])
         return np.asarray(CubicSpline(self.t, signal)(at))
 
-    def map(self, points: Iterable[Values]) -> list[Array]:
-        """Return the residuals of several points, whose friction is run side by side."""
-        points = list(points)
+    def run(self, points: Iterable[Values]) -> None:
+        """Run the friction of several points side by side."""
         self._of_laws([_law_of(values) for values in points])
-        return [self.residual(values) for values in points]
 
 
 def _law_of(values: Values) -> tuple[tuple[str, float], ...]:
@@ -220,25 +219,44 @@ def _law_of(values: Values) -> tuple[tuple[str, float], ...]:
 
 
 class ForceCost:
-    """Sum of squares [N^2] that the best m, b and F_0 leave of a candidate's friction."""
+    """Sum of squares [N^2] that the best m, b and F_0 leave of a candidate's friction.
 
-    def __init__(self, model: InverseModel, delay: float) -> None:  # of the force [s]
-        self.T_s, self.cutoff, self.slides = model.T_s, model.cutoff, model.slides
-        self.factor = model.factor
+    A candidate is a row of parameters of the law; see ``ga.Evaluate``.
+    """
+
+    fatal = (cosim.CosimError,)
+
+    def __init__(
+        self,
+        model: InverseModel,
+        names: Sequence[str],  # of the k parameters in a row
+        delay: float,  # of the force [s]
+    ) -> None:
+        self._model, self._names = model, names
         force = np.interp(model.t - delay, model.t, model.force)
-        self.target = np.where(self.slides, force, 0.0)
+        self._target = np.where(model.slides, force, 0.0)
         columns = model.linear[:, 2:] if model.measures_friction else model.linear
-        self.basis = np.linalg.qr(columns * self.slides[:, np.newaxis])[0]  # (n, k)
+        self._basis = np.linalg.qr(columns * model.slides[:, np.newaxis])[0]  # (n, j)
 
-    def __call__(self, result: cosim.Result) -> float:
-        """Return the cost of a run that recorded ``compensator.F_f``."""
-        return self.of_friction(result["compensator.F_f"] * self.factor)
+    def __call__(self, values: Array) -> float:
+        """Return the cost of a candidate (k,)."""
+        return self.together(values[np.newaxis])[0]()
 
-    def of_friction(self, friction: Array) -> float:
-        """Return the cost of a friction (n,) [N] along the motion."""
-        friction = smoothed(friction, self.T_s, self.cutoff)
-        rest = self.target - np.where(self.slides, friction, 0.0)
+    def together(self, rows: Array) -> list[Callable[[], float]]:
+        """Run candidates (n, k) side by side; return what gives the cost of each."""
+        points = [dict(zip(self._names, row, strict=True)) for row in rows.tolist()]
+        with suppress(cosim.SimulationError):  # the candidate itself tells it
+            self._model.run(points)
+        return [partial(self._cost, point) for point in points]
+
+    def _cost(self, point: Values) -> float:
+        try:
+            friction = self._model.friction(point)
+        except cosim.SimulationError as error:
+            raise ga.CandidateFailed(str(error)) from error
+        friction = smoothed(friction, self._model.T_s, self._model.cutoff)
+        rest = self._target - np.where(self._model.slides, friction, 0.0)
         # No linear algebra: its sums depend on its threads, in which workers differ.
-        for direction in self.basis.T:
+        for direction in self._basis.T:
             rest = rest - direction * np.sum(direction * rest)
         return float(np.sum(rest * rest))

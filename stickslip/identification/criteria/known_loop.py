@@ -288,11 +288,9 @@ class OutputError(Criterion):
         """Return the same, whitened (k,) [m]."""
         return self.white(self.raw(values))
 
-    def map(self, points: Iterable[Values]) -> list[Array]:
-        """Return the residuals of several points, whose loops are run side by side."""
-        points = list(points)
+    def run(self, points: Iterable[Values]) -> None:
+        """Run the loops of several points side by side."""
         self._simulated([tuple(values.items()) for values in points])
-        return [self.residual(values) for values in points]
 
     def white(self, raw: Array) -> Array:
         """Whiten a residual (n,) and leave out its start, (k,)."""

@@ -84,9 +84,9 @@ class Runs(Closing):
         finally:
             self._idle.append(simulation)
 
-    def batch(self, runs: Sequence[Run], *, in_lanes: bool = True) -> list[Outcome]:
+    def batch(self, runs: Sequence[Run]) -> list[Outcome]:
         """Run in lanes where that is possible; return the results of ``run``, or what it raises."""
-        lanes = self._lanes if in_lanes and len(runs) >= FEWEST else None
+        lanes = self._lanes if len(runs) >= FEWEST else None
         found = lanes.run(runs, self.each) if lanes else [None] * len(runs)
         missing = [k for k, one in enumerate(found) if one is None]
         tried = zip(missing, self.each(self._tried, [runs[k] for k in missing]), strict=True)
@@ -141,9 +141,14 @@ class Criterion(Closing):
     def residual(self, values: Values) -> Array:
         """Return the difference that the values leave (n,)."""
 
-    @abstractmethod
+    def run(self, points: Iterable[Values]) -> None:
+        """Make the runs of several points side by side, so that their residuals need none."""
+
     def map(self, points: Iterable[Values]) -> list[Array]:
         """Return the residuals of several points, whose runs are made side by side."""
+        points = list(points)
+        self.run(points)
+        return [self.residual(values) for values in points]
 
     def over(self, space: ParameterSpace) -> Self:
         """Return the same criterion over another space; it shares the FMUs."""
@@ -164,7 +169,9 @@ class Recent(Generic[K, R]):
         kept = self._kept  # replaced as a whole, so that threads may ask at once
         found = {key: kept[key] for key in dict.fromkeys(keys) if key in kept}
         left = [key for key in dict.fromkeys(keys) if key not in found]
-        found |= zip(left, self._make(left), strict=True) if left else ()
+        if not left:
+            return [found[key] for key in keys]
+        found |= zip(left, self._make(left), strict=True)
         latest = {key: one for key, one in kept.items() if key not in found} | found
         self._kept = dict([*latest.items()][-max(RECENT, len(found)) :])
         return [found[key] for key in keys]

@@ -113,17 +113,18 @@ def _fit(criterion: Criterion, start: Array, ftol: float) -> Fit:
         few = residual[:: criterion.every] * (criterion.every**0.5 / deviation)
         return np.append(few, space.prior_residual(q))
 
-    def at(z: Array) -> Array:
+    def around(z: Array) -> list[Array]:
         q[free] = z
+        return [q, *(q + np.diag(_steps(q, space))[free])]
+
+    def at(z: Array) -> Array:
+        criterion.run(map(space.decode, around(z)))  # most steps succeed; then these are needed
         return weighted(criterion.residual(space.decode(q)), q)
 
     def slopes(z: Array) -> Array:
-        q[free] = z
-        steps = _steps(q, space)[free]
-        points = [q, *(q + np.diag(_steps(q, space))[free])]
-        residuals = criterion.map([space.decode(point) for point in points])
-        middle, *moved = map(weighted, residuals, points)
-        return (np.column_stack(moved) - middle[:, np.newaxis]) / steps
+        points = around(z)
+        middle, *moved = map(weighted, criterion.map(map(space.decode, points)), points)
+        return (np.column_stack(moved) - middle[:, np.newaxis]) / _steps(q, space)[free]
 
     deviation = _deviation(criterion.residual(space.decode(q)))
     for _ in range(2):

@@ -54,13 +54,8 @@ def search(
     """Search the parameters of the law whose predicted force is nearest to the measured one."""
     limits = ga.Limits(evaluations=how.evaluations, patience=PATIENCE)
     algorithm = ga.optimiser(how.algorithm, problem(start), limits, seed)
-    names = [f"compensator.{name}" for name in start.space.friction]
-    cost = ForceCost(model, start.line["delay"])
-    with (
-        ga.SimulatedCost(model.specification, names, cost, model.inputs) as evaluate,
-        ga.executor("threads", how.workers) as executor,
-    ):
-        ga.learn(algorithm, evaluate, executor, on_generation)
+    cost = ForceCost(model, start.space.friction, start.line["delay"])
+    ga.learn(algorithm, cost, on_generation=on_generation)
     return algorithm
 
 

@@ -246,17 +246,16 @@ def _points(inverse: InverseModel, start: Start, space: ParameterSpace) -> list[
     """Return the best of points (k,) spread over the friction parameters."""
     low, high = _range(space)
     varied = np.flatnonzero(high > low)
-    cost = ForceCost(inverse, start.line["delay"])
-    line = space.encode(start.line)
-    found = []
+    q = space.encode(start.line)
+    frictions = []
     for point in qmc.Sobol(len(varied), seed=0).random(POINTS):
-        q = line.copy()
         q[varied] = low[varied] + (high - low)[varied] * point
         values = space.decode(q)
-        friction = np.array([values[name] for name in space.friction])
-        found.append((cost.of_friction(inverse.friction(values)), friction))
-    found.sort(key=lambda one: one[0])
-    return [space.encode(solve_linear(inverse, start, friction)) for _, friction in found[:STARTS]]
+        frictions.append([values[name] for name in space.friction])
+    rows = np.array(frictions)
+    costs = ForceCost(inverse, space.friction, start.line["delay"]).together(rows)
+    best = np.argsort([cost() for cost in costs], kind="stable")[:STARTS]
+    return [space.encode(solve_linear(inverse, start, friction)) for friction in rows[best]]
 
 
 def _range(space: ParameterSpace) -> tuple[Array, Array]:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip.catalog.parameters import ParameterSpace, friction_law
+from stickslip.identification.criteria.runs import Criterion
 from stickslip.identification.fitting import fit as fitting
 from stickslip.identification.fitting.fit import (
     BLOCKS,
@@ -22,7 +23,7 @@ N = 20_000
 K = len(ParameterSpace.of(friction_law()).names)
 
 
-class Line:
+class Line(Criterion):
     """A criterion that is linear in the coordinates."""
 
     every = 1
@@ -32,9 +33,6 @@ class Line:
 
     def residual(self, values):
         return self.seen - self.regressors @ self.space.encode(values)
-
-    def map(self, points):
-        return [self.residual(values) for values in points]
 
 
 @pytest.fixture
@@ -89,6 +87,22 @@ def test_it_finds_what_linear_least_squares_finds_from_two_starts_that_agree(spa
     np.testing.assert_allclose(away.q + away.step(), expected, atol=1e-5)
     classic = 0.1**2 * np.linalg.inv(line.regressors.T @ line.regressors)
     np.testing.assert_allclose(np.diag(found.covariance), np.diag(classic), rtol=0.6)
+
+
+def test_a_step_is_run_beside_the_slopes_that_follow_it(space):
+    """Most steps succeed, and lanes run ten candidates in the time of one."""
+    line = line_of(rng := np.random.default_rng(2), rng.uniform(0.1, 1.0, K), 0.1, space)
+    known, new = set(), []
+
+    def run(points):
+        asked = {tuple(values.values()) for values in points}
+        new.append(len(asked - known))
+        known.update(asked)
+
+    line.run = run
+    fit(line, [np.zeros(K)])
+    assert {*new} == {0, K + 1}  # what slopes ask for has been run
+    assert new.count(0) >= 2
 
 
 def test_a_coordinate_that_leaves_its_bounds_stops_there(space):

@@ -33,9 +33,6 @@ class Curve(Criterion):
     def residual(self, values):
         return self.seen - self.friction(values)
 
-    def map(self, points):
-        return [self.residual(values) for values in points]
-
 
 def space():
     free = ParameterSpace.of(friction_law())

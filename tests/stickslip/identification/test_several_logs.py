@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip.identification.criteria.inverse_model import InverseModel
+from stickslip.identification.criteria.inverse_model import ForceCost, InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop
+from stickslip.identification.criteria.runs import RECENT, Runs
 from stickslip.identification.estimation import agreement
 from stickslip.identification.estimation.agreement import contradictions
 from stickslip.identification.fitting.search import best_fit
@@ -170,3 +171,29 @@ def test_a_set_is_learned_from_its_table_without_the_log_that_contradicts(tmp_pa
     left_out = "wrong.csv is left out: wrong.csv contradicts the other 2 logs"
     assert left_out in [one.what for one in learned.findings]
     assert own.error < static.error
+
+
+def test_candidates_of_a_search_are_run_side_by_side_and_each_log_from_rest(
+    candidates, logs, monkeypatch
+):
+    """Together they cost what each costs alone, and no run is made twice."""
+    batches = []
+    batch = Runs.batch
+
+    def counted(runs, some):
+        batches.append(len(some))
+        return batch(runs, some)
+
+    monkeypatch.setattr(Runs, "batch", counted)
+    with InverseModel(candidates, joined(logs["creep"], logs["sliding"])) as inverse:
+        start = begin(inverse, inverse.recording)
+        names = start.space.friction
+        cost = ForceCost(inverse, names, start.line["delay"])
+        first = np.array([start.line[name] for name in names])
+        rows = first * np.linspace(0.9, 1.1, RECENT + 2)[:, np.newaxis]
+        batches.clear()
+        together = [one() for one in cost.together(rows)]
+        assert batches == [len(rows)] * 2  # one for each log
+        assert together == [cost(row) for row in rows]
+        assert batches == [len(rows)] * 2
+        assert len({*together}) == len(rows)

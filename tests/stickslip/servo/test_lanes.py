@@ -143,7 +143,7 @@ def test_what_lanes_do_not_run_is_left_to_the_fmus(tmp_path, loop, monkeypatch, 
     assert Lanes(whole).run([odd, short, wrong, odd]) == [None] * 4
     with pytest.raises(NoLanes, match="coupled"):
         Lanes(cosim.Specification(whole.system, T_S, T_S, coupling="jacobi"))
-    monkeypatch.setattr(models, "model_of", lambda _: None)
+    monkeypatch.setattr(lanes, "_model_of", lambda _: None)
     caplog.set_level("INFO")
     assert lanes.lanes_of(whole) is None
     assert "one by one: nominal is not of our models" in caplog.text

@@ -9,7 +9,7 @@ from stickslip.servo.axis import Axis, Datasheet
 from stickslip.servo.velocity_loop import close_velocity_loop
 from stickslip.trial.benefit import NONE, Bench, feedforward
 from stickslip.trial.family import Command, Drive
-from stickslip.trial.hold import _motions, hold_time, holds, hunting_at_rest, reversals
+from stickslip.trial.hold import _commands, hold_time, holds, hunting_at_rest, reversals
 from tests.kept import further
 
 LAW = friction_law("coulomb_stribeck")
@@ -41,13 +41,13 @@ def held(tmp_path_factory):
 def by_simulator(loop):
     """Return swing and reversals in the worst hold by a program that shares nothing with ours."""
     n = round(hold_time(loop, FRICTION, STEP) / T_S)
-    v_cmd, begins = _motions(np.zeros(2), STEP, n, T_S)
     gains = {name: getattr(loop, name) for name in ("K_p", "K_i", "K_x", "tau_f", "T_s")}
     drive = {**FRICTION, **gains, "m": AXIS.m, "b": AXIS.b, "encoder": STEP, "phase": 0.5}
-    x_cmd = T_S * np.concatenate([[0.0], np.cumsum(v_cmd[:-1])])
-    positions = simulator.run("coulomb_stribeck", drive, v_cmd, x_cmd=x_cmd)["x"]
-    halves = [positions[begin + n // 2 : begin + n] for begin in begins]
-    found = [(reversals(half, 0.5 * STEP), float(np.ptp(half))) for half in halves]
+    found = []
+    for v_cmd in _commands(np.zeros(2), STEP, n, T_S):
+        x_cmd = T_S * np.concatenate([[0.0], np.cumsum(v_cmd[:-1])])
+        half = simulator.run("coulomb_stribeck", drive, v_cmd, x_cmd=x_cmd)["x"][-(n // 2) :]
+        found.append((reversals(half, 0.5 * STEP), float(np.ptp(half))))
     return max(found, key=lambda one: (one[0] >= 2, one[1]))
 
 
