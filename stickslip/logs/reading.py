@@ -60,19 +60,24 @@ def raise_errors(path: str | os.PathLike[str], findings: Iterable[Finding]) -> N
 
 
 def read_recording(
-    path: str | os.PathLike[str], description: Description | None = None, *, strict: bool = True
+    path: str | os.PathLike[str],
+    description: Description | None = None,
+    *,
+    strict: bool = True,
+    commands: bool = False,
 ) -> Reading:
     """Read a log: CSV and its relatives, or one of ``formats``.
 
     What the description leaves open is detected and reported. Unless ``strict``, a column whose
     unit is wrong or missing is an error among the findings, and its numbers are kept as they are.
+    With ``commands`` those of a motion are enough.
     Raises RecordingError when the file cannot become a recording; names row or column, or
     UsageError when the description does not suit it.
     """
     given = description or Description()
     table = with_joined_times(read_table(Path(path), given.delimiter, given.decimal))
     roles, detected = assign_roles(table, given)
-    _check_roles(table, roles, given)
+    _check_roles(table, roles, given, commands=commands)
     channels = [Channel.of(table, given, role, roles[role]) for role in ROLES if role in roles]
     motion, reasons = motion_from(given, channels)
     _check_rated(given, motion)
@@ -152,12 +157,15 @@ def with_velocity_command(
     return recording, replace(controller, velocity_feedforward=share)
 
 
-def _check_roles(table: LogTable, roles: dict[str, str], given: Description) -> None:
-    """Check that there is a time and a motion."""
+def _check_roles(
+    table: LogTable, roles: dict[str, str], given: Description, *, commands: bool
+) -> None:
+    """Check that there is a time and a motion, or its command."""
+    motions = ["position", "velocity", *(("position_command", "velocity_command") * commands)]
     if "time" not in roles and not given.sample_period:
         missing, advice = "time", "<column time=NAME> or <sample_period>"
-    elif not {"position", "velocity"} & set(roles):
-        missing, advice = "position or velocity", "<column position=NAME>"
+    elif not {*motions} & set(roles):
+        missing, advice = " or ".join(motions), f"<column {motions[-1 if commands else 0]}=NAME>"
     else:
         return
     names = ", ".join(table.names[:12])
@@ -210,7 +218,7 @@ def _cut(
 
 def _integrated(given: Description, signals: dict[str, Array]) -> list[Finding]:
     """Return what to know of a position that is the integral of the velocity."""
-    if "position" in signals:
+    if "position" in signals or "velocity" not in signals:
         return []
     needs = Controller(given.controller, **dict.fromkeys(given.gains, 1.0)).needs
     if needs == "position_command":

@@ -144,8 +144,8 @@ class FamilyCost(ExitStack):
             self._present[cell[0].name, cell[1]] = benefit.errors_of(run, self._targets(cell[1]))
 
     def _each(self, one: DriveLoop, cells: Sequence[benefit.Cell]) -> list[Outcome]:
-        """Return the run of a loop in each cell, or why it failed."""
-        return self._runs.outcomes([one.parameters], cells)[0]
+        """Return the run of the FMUs of a loop in each cell, or why it failed."""
+        return self._runs.outcomes([one.parameters], cells, in_lanes=False)[0]
 
     def _targets(self, command: Command) -> dict[str, Array]:
         """Return what the velocity and, in a cascade, the position should be (n,), by signal."""

@@ -570,6 +570,7 @@ def bench_of(
     command: Trapezoid,  # at the highest speed; see ``commands``
     datasheet: Datasheet,
     *,
+    own: Sequence[Command] = (),  # commands in place of the typical ones, see ``own_motions``
     workers: int = 1,
 ) -> Iterator[Bench]:
     """Build the loop in which variants are tried."""
@@ -580,16 +581,17 @@ def bench_of(
             command, loop.T_s, friction, step, stiffness=stiffness, rotary=rotary, drives=drives
         )
         rise = 2.0 * math.pi * loop.axis.m / loop.K_p
+        swept = sweep(command, loop.T_s, drives, step, stiffness=stiffness, rise=rise)
         bench = Bench(
             folder,
             law,
             loop,
             drives,
-            commands=tried,
+            commands=own or tried,
             datasheet=datasheet,
             workers=workers,
             onsets=onsets(law, drives, command, step),
-            sweep=sweep(command, loop.T_s, drives, step, stiffness=stiffness, rise=rise),
+            sweep=() if own else swept,
         )
         with closing(bench):
             yield bench
@@ -615,7 +617,7 @@ class LoopRuns(ExitStack):
         self._runs: dict[str, Runs] = {}  # by law of the drive
 
     def outcomes(
-        self, loops: Sequence[Mapping[str, float]], cells: Sequence[Cell]
+        self, loops: Sequence[Mapping[str, float]], cells: Sequence[Cell], *, in_lanes: bool = True
     ) -> list[list[Outcome]]:
         """Return the run with each of some parameters in each cell, or why it failed."""
         found: dict[tuple[int, int], Outcome] = {}
@@ -624,7 +626,7 @@ class LoopRuns(ExitStack):
             own.sort(key=lambda k: cells[k][1].name)  # lanes have one command
             places = [(i, k) for k in own for i in range(len(loops))]
             asked = [self._run(loops[i], cells[k]) for i, k in places]
-            runs = self._of(law).batch(asked)
+            runs = self._of(law).batch(asked, in_lanes=in_lanes)
             for place, outcome in zip(places, runs, strict=True):
                 found[place] = bounded(outcome, "drive.v", self.speed)
         return [[found[i, k] for k in range(len(cells))] for i in range(len(loops))]

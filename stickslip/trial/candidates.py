@@ -280,7 +280,10 @@ class _Candidates(ExitStack):
 
     def swept(self, found: CompensatorComparison) -> CompensatorComparison:
         """Return the same after what would be written was tried in the sweep of the bench."""
-        while (row := found.chosen).benefit and row.acceptable and not row.benefit.swept:
+        is_open = bool(self.bench.sweep)
+        while (
+            is_open and (row := found.chosen).benefit and row.acceptable and not row.benefit.swept
+        ):
             benefit = self._safe(row.benefit)
             designed = row.designed and replace(row.designed, observer=benefit.variant.chain[-1])
             safe = replace(row, benefit=benefit, designed=designed)

@@ -26,7 +26,7 @@ from stickslip.servo.velocity_loop import VelocityLoop, close_velocity_loop, des
 from stickslip.thresholds import control_match, harm
 from stickslip.trial.benefit import NONE, RISING, Benefit, Variant, bench_of, best_of, feedforward
 from stickslip.trial.candidates import CompensatorComparison, compare
-from stickslip.trial.family import Drive, Evidence, deflections, family, hidden_deflections
+from stickslip.trial.family import Command, Drive, Evidence, deflections, family, hidden_deflections
 from stickslip.trial.hold import Hold, holds, hunting_at_rest
 
 
@@ -55,6 +55,7 @@ class SimulatedTrial:
     drives: tuple[Drive, ...] = ()  # on which it was tried
     others: tuple[Benefit, ...] = ()  # the same as ``benefit`` for other ways to compensate
     holds: Mapping[str, Hold] = field(default_factory=dict)  # of a cascade, by way to compensate
+    own: tuple[Command, ...] = ()  # motions of the user that it was tried on alone
 
     def table(self) -> pd.DataFrame:
         """Return a row for each way to compensate, drive and command.
@@ -103,9 +104,17 @@ def datasheet_of(reading: Reading, force: Array, top: float, tau_i: float) -> Da
 
 
 def try_compensator(
-    reading: Reading, estimation: Estimation, loop: VelocityLoop, settings: LearnSettings
+    reading: Reading,
+    estimation: Estimation,
+    loop: VelocityLoop,
+    settings: LearnSettings,
+    *,
+    own: tuple[Command, ...] = (),
 ) -> SimulatedTrial:
-    """Try what may compensate at the log's own speed, or what the settings name."""
+    """Try what may compensate at the log's own speed, or what the settings name.
+
+    Own motions are the only ones on which it is tried.
+    """
     top = float(np.quantile(np.abs(estimation.figures.velocity_recorded), 0.99))
     command = trapezoid_of(estimation.figures.velocity_recorded, top, estimation.recording.T_s)
     sheet = datasheet_of(reading, estimation.figures.measured, top, loop.axis.tau_i)
@@ -114,8 +123,9 @@ def try_compensator(
     known = known_friction(estimation, top, settings.friction_range)
     drives = family(law, friction, command, known)
     rising = soft_rise(friction["F_c"], drives, command, step)
+    workers = settings.workers
     with bench_of(
-        law, loop, friction, drives, command=command, datasheet=sheet, workers=settings.workers
+        *(law, loop, friction, drives), command=command, datasheet=sheet, own=own, workers=workers
     ) as bench:
         benefits = bench.benefits(feedforwards(law, friction))
         best = best_of(benefits)
@@ -140,7 +150,11 @@ def try_compensator(
             warnings = hunting_at_rest(held, variant, sheet.encoder_step)
     others = tuple(one for one in (*benefits, *tried.values()) if one is not best)
     return SimulatedTrial(
-        *(command, sheet, best, compared, tuple(warnings)), drives=drives, others=others, holds=held
+        *(command, sheet, best, compared, tuple(warnings)),
+        drives=drives,
+        others=others,
+        holds=held,
+        own=own,
     )
 
 

@@ -10,6 +10,7 @@ targets lie between two encoder steps, where the integral never rests.
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -99,14 +100,14 @@ def _held(bench: Bench, drive: Drive, variant: Variant) -> Hold:
     system.parameters |= in_loop({**axis_values(loop, bench.datasheet), **drive.parameters})
     stop = (len(every[0]) - 1) * loop.T_s
     whole = cosim.Specification(system, step=loop.T_s, stop=stop, record=("drive.x", "drive.v"))
-    unit, duration = loop.axis.unit("um"), 0.5 * n * loop.T_s
+    about: Any = {"drive": drive.name, "unit": loop.axis.unit("um"), "duration": 0.5 * n * loop.T_s}
 
     def hold(v_cmd: Array, run: Outcome) -> Hold:
         run = bounded(run, "drive.v", float(np.max(np.abs(v_cmd))))
         if isinstance(run, cosim.SimulationError):
-            return Hold(np.inf, 2, duration, drive.name, unit)
+            return Hold(swing=np.inf, reversals=int(caution.REVERSALS), **about)
         half = run["drive.x"][-(n // 2) :]
-        return Hold(float(np.ptp(half)), reversals(half, 0.5 * step), duration, drive.name, unit)
+        return Hold(float(np.ptp(half)), reversals(half, 0.5 * step), **about)
 
     with Runs(whole, bench.workers) as runs:
         found = runs.batch([Run(variant.parameters, loop.commands(v_cmd)) for v_cmd in every])

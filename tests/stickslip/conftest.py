@@ -76,7 +76,7 @@ def results(reproduction) -> Path:
 def untried(monkeypatch):
     """Leave out the trial of the compensator, most of the time of a whole learning."""
     place = "stickslip.studies.learn.log_learning.with_trial"
-    monkeypatch.setattr(place, lambda _, learned, __: learned)
+    monkeypatch.setattr(place, lambda _, learned, *__: learned)
 
 
 @pytest.fixture(scope="session")

@@ -84,9 +84,9 @@ class Runs(Closing):
         finally:
             self._idle.append(simulation)
 
-    def batch(self, runs: Sequence[Run]) -> list[Outcome]:
+    def batch(self, runs: Sequence[Run], *, in_lanes: bool = True) -> list[Outcome]:
         """Run in lanes where that is possible; return the results of ``run``, or what it raises."""
-        lanes = self._lanes if len(runs) >= FEWEST else None
+        lanes = self._lanes if in_lanes and len(runs) >= FEWEST else None
         found = lanes.run(runs, self.each) if lanes else [None] * len(runs)
         missing = [k for k, one in enumerate(found) if one is None]
         tried = zip(missing, self.each(self._tried, [runs[k] for k in missing]), strict=True)

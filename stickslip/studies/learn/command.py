@@ -103,6 +103,11 @@ def _declare_compensator(group: argparse._ArgumentGroup) -> None:
         help="friction that the drive may come to have, over that in the log; there, too, a "
         f"compensator must not be worse than none (default: {harm.FALLS:g} {harm.GROWS:g})",
     )
+    motions = {
+        "--motions FILE": "commands of motions that the drive will make, on which alone "
+        "compensators are compared, such as logs or plans"
+    }
+    commandline.add_options(group, motions, type=Path, **commandline.SEVERAL)
     absent = {"--without SIGNAL": "signals that the controller cannot give a compensator"}
     commandline.add_options(
         group, absent, choices=("encoder", "motor_force"), **commandline.SEVERAL
@@ -185,6 +190,7 @@ def _learn(options: argparse.Namespace, description: Description) -> dict[str, A
             search=Search(options.algorithm, workers=options.workers),
             compensator=options.compensator,
             absent=options.without,
+            motions=options.motions,
             friction_range=tuple(options.friction_range),
             limits=limits,
             fixed_gains=options.fixed_gains or options.force,

@@ -62,7 +62,9 @@ from stickslip.thresholds import control_match, harm
 from stickslip.trial.benefit import bench_of
 from stickslip.trial.candidates import law_of
 from stickslip.trial.compensator_trial import loops_of_log, try_compensator
+from stickslip.trial.family import Command
 from stickslip.trial.observed import BOTH, FEEDFORWARD
+from stickslip.trial.own_motions import read_motions
 
 GENTLE = 0.1
 """Least time of a ramp [s] where no command was logged: in quicker ones the loop's lag hides what
@@ -72,7 +74,10 @@ SETTLING = 0.02
 
 
 def with_trial(
-    reading: Reading, learned: LearnedFromRecording, settings: LearnSettings
+    reading: Reading,
+    learned: LearnedFromRecording,
+    settings: LearnSettings,
+    own: tuple[Command, ...] = (),
 ) -> LearnedFromRecording:
     """Try a learned compensator where a loop can be closed; see ``try_compensator``."""
     estimation = learned.estimation
@@ -82,7 +87,7 @@ def with_trial(
     learned = replace(learned, asked=settings.compensator, implausible=doubt)
     if isinstance(learned.loops, ControlError):
         return learned
-    trial = try_compensator(reading, estimation, learned.loops.compensated, settings)
+    trial = try_compensator(reading, estimation, learned.loops.compensated, settings, own=own)
     return replace(learned, trial=trial)
 
 
@@ -111,6 +116,7 @@ def with_other_gains(
             trial.drives,
             command=trial.command,
             datasheet=trial.datasheet,
+            own=trial.own,
             workers=settings.workers,
         ) as bench,
         FamilyCost(bench, start, masses, ()) as cost,
@@ -210,6 +216,7 @@ def learn(
     fixed_gains: bool = False,
     friction_range: tuple[float, float] | None = None,
     absent: Sequence[str] = (),
+    motions: Sequence[Path | str] = (),
     validate: Sequence[Path | str | Log] = (),
     criterion: CriterionName = "auto",
     limits: Limits = LINEAR,
@@ -228,6 +235,8 @@ def learn(
         are detected
     law, compensator, fixed_gains, friction_range, absent, criterion, limits, search, seed :
         as of ``LearnSettings``; law and compensator are chosen unless they are given
+    motions : files of commands, such as logs or plans, of the motions that the drive will make;
+        compensators are then compared in these alone
     validate : logs whose force is predicted, but not learned from
     progress : is told of stages, findings and generations
 
@@ -256,6 +265,7 @@ def learn(
     chosen = replace(asked, law=law_of(asked.compensator, asked.law, asked.absent))
     # Threads of linear algebra would wait for those of other work on the same cores.
     with threadpool_limits(limits=1, user_api="blas"):
+        given = description or Description()
         others: list[Log] = []
         hashes: dict[str, str] = {}
         left_out: tuple[Finding, ...] = ()
@@ -269,11 +279,12 @@ def learn(
             checked = [Checked(reading, (*found, *check_rig(reading)))]
         else:
             progress.stage("reading the log")
-            logs = _logs(source, description or Description())
+            logs = _logs(source, given)
             checked, left_out = _read_all([log for log in logs if not log.validates])
             hashes = {log.path.name: digest(log.path) for log in logs if not log.validates}
             others = [log for log in logs if log.validates]
-            others += _logs(validate, description or Description())
+            others += _logs(validate, given)
+        own = read_motions(motions, given, checked[0].reading.recording)
         learned = _learn_together(checked, left_out, chosen, progress)
         contradicting = {one.log: one for one in learned.estimation.faults if one.log}
         kept = [one for one in checked if one.reading.recording.source not in contradicting]
@@ -290,7 +301,7 @@ def learn(
         learned = replace(learned, predicted=tuple(predicted), hashes=hashes)
         progress.stage("trying compensators")
         with counted_steps():
-            tried = with_trial(replace(reading, recording=recording), learned, chosen)
+            tried = with_trial(replace(reading, recording=recording), learned, chosen, own)
         progress.stage("trying other gains of the controller")
         with counted_steps():
             learned = with_tracking(reading, with_other_gains(tried, chosen))
