@@ -297,7 +297,7 @@ def _visibility(recording: Recording, shown: Excitation) -> Iterator[Finding]:
     if np.isfinite(shown.inertial):
         share = f"{shown.inertial:.1%} of the force"
         figure = f"accelerations up to {shown.acceleration:.3g} {unit}/s^2 cause {share}"
-        words = "m is identifiable", "m is poorly identifiable"
+        words = "m may be identifiable", "m is poorly identifiable"
         yield Finding.either(shown.inertial >= log_content.INERTIAL, words, figure, f"{PLAN} m")
     if high < log_content.SPEEDS * low:
         figure = f"only speeds of {speeds}"

@@ -309,11 +309,14 @@ class _Estimates:
     delay: float  # [s]
 
     def kept(self, friction: float) -> _Terms | None:
-        """Return the terms that are shown."""
+        """Return the terms that are shown; a weight does not lessen friction."""
+        load = self.terms.parts().get("load", slice(0, 0))
+        lessens = bool((self.values[:, 1:][:, load].mean(axis=0) < 0.0).any())
         names = {
             name
             for name, (force, error) in self.sizes.items()
             if force.mean() > position_force.SHARE * friction
+            and not (lessens and name == "load")
             and np.all(force > position_force.CERTAIN * error)
             and self.predicted[name]
         }

@@ -121,6 +121,12 @@ def test_friction_that_grows_with_the_weight_of_the_arm_is_told_from_the_rest() 
     np.testing.assert_allclose(friction_factor(found.values, x), 1.0 + 0.1 * weight, rtol=0.05)
 
 
+def test_a_weight_does_not_lessen_friction() -> None:
+    """What looks like that is friction along the travel; the block of it takes none below 0."""
+    found = find_position_force(swing(mu_g=-0.15))
+    assert set(found.terms) == {"F_0", "g_s", "g_c"}
+
+
 VALUES = {**PAPER, "F_0": 0.0, "delay": 1e-7, "delta": 1.0}
 GAINS = {"K_p": 3000.0, "K_i": 3e4, "K_x": 30.0, "tau_f": T_S, "T_s": T_S}
 
