@@ -360,7 +360,8 @@ def holds(force=1.0, error=0.01):
     """Return whether an arm's weight is shown, with friction of 1 N."""
     terms, eight = position_force._Terms(gravity=True, coefficients=(1.0, 1.0)), np.ones(8)
     shown = {"gravity": (force * eight, error * eight)}
-    found = position_force._Estimates(terms, eight, eight, shown, {"gravity": True}, 0.0)
+    values = np.ones((8, 3))
+    found = position_force._Estimates(terms, values, values, shown, {"gravity": True}, 0.0)
     return found.kept(1.0) is not None
 
 

@@ -64,6 +64,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     commandline.add_options(parser, {"--check": "only check the log"}, **commandline.FLAG)
     add_rig_option(parser, "instead of a log: the drive of this file runs one experiment")
     _declare_compensator(parser.add_argument_group("the compensator"))
+    _declare_expected(parser.add_argument_group("what the drive will meet"))
     fixed = "the gains of the controller may not change: no others are tried"
     commandline.add_options(add_log_options(parser), {"--fixed-gains": fixed}, **commandline.FLAG)
 
@@ -94,6 +95,15 @@ def _declare_compensator(group: argparse._ArgumentGroup) -> None:
         "that the log supports",
     )
     commandline.complete_with(named, lambda: ["auto", *part_names()])
+    absent = {"--without SIGNAL": "signals that the controller cannot give a compensator"}
+    commandline.add_options(
+        group, absent, choices=("encoder", "motor_force"), **commandline.SEVERAL
+    )
+    force = "write the whole force of the compensator even if it is not recommended"
+    commandline.add_options(group, {"--force": force}, **commandline.FLAG)
+
+
+def _declare_expected(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--friction-range",
         nargs=2,
@@ -108,12 +118,6 @@ def _declare_compensator(group: argparse._ArgumentGroup) -> None:
         "compensators are compared, such as logs or plans"
     }
     commandline.add_options(group, motions, type=Path, **commandline.SEVERAL)
-    absent = {"--without SIGNAL": "signals that the controller cannot give a compensator"}
-    commandline.add_options(
-        group, absent, choices=("encoder", "motor_force"), **commandline.SEVERAL
-    )
-    force = "write the whole force of the compensator even if it is not recommended"
-    commandline.add_options(group, {"--force": force}, **commandline.FLAG)
 
 
 def run(options: argparse.Namespace) -> Answer:

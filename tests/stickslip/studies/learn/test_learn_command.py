@@ -117,7 +117,7 @@ def test_no_compensator_of_a_mass_that_hardly_any_drive_has(log, tmp_path, capsy
     assert main(arguments) == 1
     assert "kg, less than 0.001 kg" in capsys.readouterr().err
     module = "stickslip.studies.learn.log_learning"
-    monkeypatch.setattr(f"{module}.try_compensator", lambda *_: None)
+    monkeypatch.setattr(f"{module}.try_compensator", lambda *_, **__: None)
     monkeypatch.setattr("stickslip.logs.checked.check_units", lambda _: ())
     assert main(arguments) == 0
     assert "compensator.fmu is not written: error: the mass" in capsys.readouterr().out
