@@ -108,7 +108,7 @@ def write_learned(
         opening = [verdict_section(written.verdict, motion)]
         if shown.tracking and shown.trial:
             opening.append(tracking_section(shown.tracking, motion, shown.run))
-        tried = [compensation(shown.trial.compared)] if shown.trial and shown.benefit else []
+        tried = [compensation(shown.trial)] if shown.trial and shown.benefit else []
         write_estimation_report(  # last: its page names the files beside it
             learned.estimation,
             learned.findings,

@@ -10,6 +10,7 @@ from stickslip.errors import RecordingError
 from stickslip.identification.estimation import LearnSettings
 from stickslip.logs import Column, Description, Recording, read_and_check
 from stickslip.studies.learn.log_learning import with_trial
+from stickslip.studies.learn.page import compensation
 from stickslip.trial import own_motions
 from stickslip.trial.own_motions import read_motions
 
@@ -74,3 +75,7 @@ def test_compensators_are_compared_in_these_motions_alone(learned_log, log, moti
     assert len({*table["drive"]}) > 5
     assert table["speed"].to_numpy() == pytest.approx(0.02, rel=1e-3)
     assert tried.trial.compared.chosen.benefit is not None
+    page = compensation(tried.trial).markup({})
+    assert "those that were given: press" in page
+    assert "creep" not in page
+    assert "creep" in compensation(replace(tried.trial, own=())).markup({})

@@ -19,7 +19,7 @@ from stickslip.studies.learn import tables
 from stickslip.studies.learn.page import figures
 from stickslip.studies.learn.page.signals import measures_friction, simulated_position, steady_name
 from stickslip.thresholds import control_match, harm, offer
-from stickslip.trial.candidates import CompensatorComparison
+from stickslip.trial.compensator_trial import SimulatedTrial
 
 FIGURES = ("recording", "force", "residual", "profiles")
 FILES = ("parameters.csv", "report.html", *picture_files(FIGURES))
@@ -165,14 +165,15 @@ def use(estimation: Estimation, beside: Collection[str], *, forced: bool = False
     return _section(estimation, "Using the result", "use", None, longer=longer, **values)
 
 
-def compensation(compared: CompensatorComparison) -> Section:
+def compensation(trial: SimulatedTrial) -> Section:
     """Return the section with what each compensator leaves of the error, and what is chosen."""
-    chosen = compared.chosen
+    compared, chosen = trial.compared, trial.compared.chosen
     return Section(
         "Whether compensation helps",
         "studies/learn/page/compensation.j2",
         chosen=chosen,
         compared=compared,
+        own=trial.own,
         tried=list(tables.errors(chosen.benefit)) if chosen.benefit else [],
         relative=tables.compensators(compared),
         rule=harm.rule(),
