@@ -279,11 +279,10 @@ class _Candidates(ExitStack):
         return rows
 
     def swept(self, found: CompensatorComparison) -> CompensatorComparison:
-        """Return the same after what would be written was tried in the sweep of the bench."""
-        is_open = bool(self.bench.sweep)
-        while (
-            is_open and (row := found.chosen).benefit and row.acceptable and not row.benefit.swept
-        ):
+        """Return the same after what would be written was tried in the sweep, if there is one."""
+        if not self.bench.sweep:
+            return found
+        while (row := found.chosen).benefit and row.acceptable and not row.benefit.swept:
             benefit = self._safe(row.benefit)
             designed = row.designed and replace(row.designed, observer=benefit.variant.chain[-1])
             safe = replace(row, benefit=benefit, designed=designed)
