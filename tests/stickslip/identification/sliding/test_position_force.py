@@ -122,7 +122,7 @@ def test_friction_that_grows_with_the_weight_of_the_arm_is_told_from_the_rest() 
 
 
 def test_a_weight_does_not_lessen_friction() -> None:
-    """What looks like that is friction along the travel; the block of it takes none below 0."""
+    """The block of the force of position takes no mu_g below 0."""
     found = find_position_force(swing(mu_g=-0.15))
     assert set(found.terms) == {"F_0", "g_s", "g_c"}
 
