@@ -1,9 +1,10 @@
-"""Several logs of one drive as one recording.
+"""Several logs of one drive, or stretches of one, as one recording.
 
 Between two logs the position moves on smoothly, for as long as that takes at the speed of the logs.
 Nothing is learned there: the recording says which of its samples are those of a log.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -58,17 +59,21 @@ def join(
             n += len(next(iter(way.values())))
         for name in names:
             pieces[name].append(log.arrays[name])
-        segments.append(Segment(n, n + len(log.t), log.source, gains=gains[k], load=loads[k]))
+        segments += (
+            replace(one, begin=one.begin + n, end=one.end + n, gains=gains[k], load=loads[k])
+            for one in log.pieces
+        )
         n += len(log.t)
     signals: dict[str, Any] = {
         name: np.concatenate(pieces[name]) if name in names else None for name in first.arrays
     }
-    several = f"{first.source} and {len(logs) - 1} others"
+    sources = list(dict.fromkeys(one.source for one in segments))
+    several = f"{sources[0]} and {len(sources) - 1} others"
     return replace(
         first,
         **signals | {"t": T_s * np.arange(n)},
         encoder_step=max(one.encoder_step for one in logs),
-        source=" and ".join(one.source for one in logs) if len(logs) < 3 else several,
+        source=" and ".join(sources) if len(sources) < 3 else several,
         segments=tuple(segments),
     )
 
@@ -101,4 +106,9 @@ def _sampled(log: Recording, T_s: float) -> Recording:
         for name, signal in log.arrays.items()
     }
     signals = {name: np.interp(t, log.t, signal) for name, signal in signals.items()}
-    return replace(log, **signals | {"t": t})
+    rate = log.T_s / T_s
+    segments = tuple(
+        replace(one, begin=math.ceil(one.begin * rate), end=min(int(one.end * rate), len(t)))
+        for one in log.segments
+    )
+    return replace(log, **signals | {"t": t}, segments=segments)

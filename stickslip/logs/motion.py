@@ -264,4 +264,6 @@ def aligned(recording: Recording, samples: int) -> Recording:
         return recording
     n = len(recording.t) - abs(samples)
     late, other = max(samples, 0), max(-samples, 0)
-    return replace(recording.part(other, other + n), force=recording.force[late : late + n])
+    segments = tuple(replace(one, end=one.end - abs(samples)) for one in recording.segments)
+    moved = recording.part(other, other + n)
+    return replace(moved, force=recording.force[late : late + n], segments=segments)

@@ -102,6 +102,7 @@ def read_recording(
         signals = {role: signal[rows] for role, signal in signals.items()}
         signals["time"] = given.sample_period * np.arange(len(rows), dtype=np.float64)
         table = table.part(rows)
+    table = replace(table, numbers={})  # a long log takes much memory
     t = signals.pop("time")
     if given.span:
         t, signals, table = _cut(table, t, signals, given.span)

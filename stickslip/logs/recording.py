@@ -14,7 +14,7 @@ Motion = Literal["linear", "rotary"]
 
 @dataclass(frozen=True)
 class Segment:
-    """One of the logs that a recording joins."""
+    """One of the logs that a recording joins, or of the stretches of one."""
 
     begin: int  # its first sample
     end: int  # the sample behind its last one
@@ -58,8 +58,8 @@ class Recording:
 
     def part(self, begin: int, end: int) -> "Recording":
         """Return its samples from one on to another, whose time begins at 0."""
-        cut: dict[str, Any] = {name: one[begin:end] for name, one in self.arrays.items()}
-        return replace(self, **cut | {"t": self.t[: end - begin], "segments": ()})
+        cut: dict[str, Any] = {name: one[begin:end].copy() for name, one in self.arrays.items()}
+        return replace(self, **cut | {"t": self.t[: end - begin].copy(), "segments": ()})
 
     @property
     def pieces(self) -> tuple[Segment, ...]:
@@ -71,6 +71,22 @@ class Recording:
         if not self.segments:
             return self
         return replace(self.part(segment.begin, segment.end), source=segment.source)
+
+    @property
+    def first(self) -> "Recording":
+        """The first of the logs that it joins; of its stretches that in which it moves farthest."""
+
+        def way(log: Recording) -> float:
+            shown = log.velocity if log.position is None else np.diff(log.position)
+            return 0.0 if shown is None else float(np.sum(np.abs(shown)))
+
+        own = [one for one in self.pieces if one.source == self.pieces[0].source]
+        return max(map(self.log, own), key=way)
+
+    @property
+    def joins_several(self) -> bool:
+        """Whether it is of several logs, and not only of stretches of one."""
+        return len({one.source for one in self.pieces}) > 1
 
     @property
     def rotary(self) -> bool:

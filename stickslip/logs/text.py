@@ -164,11 +164,11 @@ class _Lines:
 
     def sample(self) -> list[str]:
         """Return lines from all over the text, and its last ones."""
-        data, found = self.data.rstrip(), []
+        data, found = self.data, []
         for k in range(SAMPLE):
             begin = data.rfind(b"\n", 0, k * len(data) // SAMPLE) + 1
             found.append(data[begin : begin + LONGEST].partition(b"\n")[0])
-        found += data[-SAMPLED:].split(b"\n")[-SAMPLE:]
+        found += data[-SAMPLED:].rstrip().split(b"\n")[-SAMPLE:]
         texts = [line.decode(self.encoding, "replace").strip(" ") for line in found]
         return [text for text in texts if text and not text.isspace()]
 

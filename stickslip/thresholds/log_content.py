@@ -9,9 +9,9 @@ DURATION = Threshold(1.0, unit="s")
 SAMPLES = Threshold(500)
 """The same in samples."""
 LONGEST = Threshold(30, "plans last 20 s", unit="s")
-"""Duration above which only the stretch that shows most of the drive is learned from."""
+"""Duration above which only the stretches that show most of the drive are learned from."""
 MOST = Threshold(100_000, unit="samples")
-"""The same in samples; a stretch has the larger of both."""
+"""The same in samples; the stretches together have the larger of both."""
 TOGETHER = Threshold(2, "decision 141: three logs of 10 s take 56 s of CPU, one of 20 s 43 s")
 """The same for several logs together, over that for one."""
 TRAVEL = Threshold(100, unit="encoder steps")

@@ -370,7 +370,7 @@ def loops_of_log(reading: Reading, estimation: Estimation) -> Loops:
             return Loops(loop, loop)
         except ControlError as error:
             foreign = f"it cannot be closed around the learned drive: {error}"
-    if shown := shown_gains(reading.recording):
+    if shown := shown_gains(reading.recording.first):
         K_p, K_i = shown
         with suppress(ControlError):
             loop = close_velocity_loop(axis, T_s, T_s, K_p, K_i=K_i)

@@ -196,7 +196,7 @@ def check_reading(reading: Reading) -> ControllerCheck | None:
     scale = recording_scale(recording)
     scaled, _ = against_motion(scale.recording(recording))
     with candidate_fmus() as fmus:
-        return check_controller(fmus, scaled, scale.values(gains))
+        return check_controllers(fmus, scaled, scale.values(gains))[1]
 
 
 def in_time(reading: Reading, findings: Iterable[Finding]) -> tuple[Reading, tuple[Finding, ...]]:

@@ -154,7 +154,7 @@ def _learn(task: Task, scale: motion.Scale, progress: Progress) -> Estimation:
                 best, criterion, check, model_error, change=change, delay_error=unsure, bent=bent
             ),
             *held_out.findings,
-            *(contradictions(inverse, found) if recording.segments else ()),
+            *(contradictions(inverse, found) if recording.joins_several else ()),
         )
         if any(fault.spoils for fault in faults):
             known = {name: unreliable(one) for name, one in known.items()}

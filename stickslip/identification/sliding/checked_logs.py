@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from stickslip.errors import RecordingError
 from stickslip.identification.sliding.position_force import find_position_force, with_position_force
-from stickslip.logs import Finding, Reading, Recording, read_stretch, with_checks
+from stickslip.logs import Finding, Reading, Recording, read_stretches, with_checks
 from stickslip.logs.joined import join
 from stickslip.logs.sets import Log
 from stickslip.thresholds import log_content
@@ -69,7 +69,7 @@ def check_logs(logs: Sequence[Log], *, alone: bool | None = None) -> Iterator[Ch
 
 def _read(log: Log, share: float) -> Checked | Refused:
     try:
-        return Checked(*read_stretch(log.path, log.description, share), log.load)
+        return Checked(*read_stretches(log.path, log.description, share), log.load)
     except RecordingError as error:
         return Refused(error)
 

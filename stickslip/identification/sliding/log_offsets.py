@@ -28,7 +28,8 @@ def with_log_offsets(recording: Recording) -> tuple[Recording, tuple[Finding, ..
 
     Only what is certain counts, of logs that slide both ways. The others count as the first.
     """
-    if len(recording.segments) < 2 or (recording.force is None and recording.friction is not None):
+    is_measured = recording.force is None and recording.friction is not None
+    if is_measured or not recording.joins_several:
         return recording, ()
     position, force, T_s = position_of(recording), measured_force(recording), recording.T_s
     q = max(2, len(position) // ENOUGH + 1)

@@ -133,8 +133,7 @@ def with_tracking(reading: Reading, learned: LearnedFromRecording) -> LearnedFro
     if isinstance(learned.loops, ControlError) or learned.trial is None:
         return learned
     loop, estimation = learned.loops.compensated, learned.estimation
-    kind, recording = reading.controller.kind, estimation.recording
-    recording = recording.log(recording.pieces[0])
+    kind, recording = reading.controller.kind, estimation.recording.first
     command, has_command = "the log's own command", True
     if recording.velocity_command is None and recording.position_command is None:
         trapezoid, has_command = learned.trial.command, False

@@ -15,9 +15,11 @@ from stickslip.identification.estimation.agreement import contradictions
 from stickslip.identification.fitting.search import best_fit
 from stickslip.identification.fitting.start import begin
 from stickslip.identification.sliding.log_offsets import with_log_offsets
+from stickslip.logs.checked import shortened
 from stickslip.logs.joined import join
 from stickslip.planning import SET, Limits, plan
 from stickslip.servo.measurement import smoothed
+from stickslip.thresholds import log_content
 from tests.kept import further
 from tests.stickslip.identification import drives
 
@@ -53,6 +55,23 @@ def test_logs_of_other_motions_show_together_what_one_alone_does_not(candidates,
     assert not contradicted
     for name in ("m", "F_c", "F_s"):
         assert found.parameters[name] == pytest.approx(drives.STAGE[name], rel=0.02), name
+    assert found.errors()["F_s"] < 0.5 * alone.errors()["F_s"]
+
+
+def test_stretches_of_a_long_log_show_what_no_part_of_it_does(candidates, monkeypatch):
+    """Creep and sliding lie farther apart than what is used of the log is long."""
+    monkeypatch.setattr(log_content, "LONGEST", 6.0)
+    monkeypatch.setattr(log_content, "MOST", 0)
+    parts = [plan(Limits(duration=6.0), (), SET[kind]) for kind in ("creep", "sliding")]
+    creep, sliding = (part["velocity_command"].to_numpy() for part in parts)
+    rest = np.zeros(10 * len(creep))
+    long = drives.recording("lugre", np.concatenate([creep, rest, sliding]), noise=0.02)
+    stretches, _ = shortened(long)
+    found, contradicted = fitted(candidates, stretches)
+    alone, _ = fitted(candidates, shortened(long, number=1)[0])
+    assert not contradicted
+    for name in ("m", "F_c", "F_s"):
+        assert found.parameters[name] == pytest.approx(drives.STAGE[name], rel=0.03), name
     assert found.errors()["F_s"] < 0.5 * alone.errors()["F_s"]
 
 

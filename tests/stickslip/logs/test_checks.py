@@ -1,4 +1,4 @@
-"""Faults of a recording, what it can show, and the stretch that is learned from."""
+"""Faults of a recording, what it can show, and the stretches that are learned from."""
 
 from dataclasses import replace
 
@@ -9,6 +9,8 @@ from stickslip.evaluation.motions import TRAINING
 from stickslip.logs import Controller, Recording, check_recording
 from stickslip.logs.checked import shortened
 from stickslip.logs.excitation import excitation
+from stickslip.logs.joined import join
+from stickslip.logs.motion import aligned
 from stickslip.planning import plan
 from stickslip.servo.axis import LOOP
 from tests.stickslip.logs.rigid_drive import rigid_drive
@@ -111,16 +113,86 @@ def test_motion_in_one_direction_hides_coulomb_friction():
 N, T_s = 400_000, 1e-3
 
 
+def swings(*parts):
+    """Return a log of a minute of rest after each part: amplitude [m], duration [s]."""
+    period, pause = 5.0, np.zeros(round(60.0 / T_s))
+    places = []
+    for amplitude, duration in parts:
+        t = np.arange(round(duration / T_s)) * T_s
+        places += [amplitude * np.sin(2.0 * np.pi * t / period), pause]
+    x = np.concatenate(places)
+    return Recording(np.arange(len(x)) * T_s, x, np.arange(len(x)) * 1.0, source="long.csv")
+
+
 def test_a_long_log_is_cut_to_where_the_drive_moves_and_a_short_one_is_not() -> None:
     telling = rigid_drive(n=4000)
     position = np.zeros(N)
     position[250_000:254_000] = telling.position
     recording = Recording(np.arange(N) * T_s, position, np.arange(N) * 1.0, source="long.csv")
-    cut, (note,) = shortened(recording)
-    begin = int(cut.force[0])
-    assert len(cut.t) == len(cut.position) == 100_000
-    assert begin <= 250_000 <= 254_000 <= begin + len(cut.t)
-    assert cut.source == "long.csv"
-    assert cut.t[0] == 0.0
-    assert f"{begin * T_s:.4g} s" in note.figure
+    for number in (1, 10):
+        cut, (note,) = shortened(recording, number=number)
+        used = np.concatenate([cut.log(one).force for one in cut.pieces]).astype(int)
+        assert len(used) == len({*used}) == 100_000
+        assert {*range(250_000, 254_000)} <= {*used}
+        assert cut.source == "long.csv"
+        assert cut.t[0] == 0.0
+        assert note.figure.count(" to ") == len(cut.pieces)
+        assert f"{used[0] * T_s:.4g} to" in note.figure
     assert shortened(telling) == (telling, ())
+
+
+def test_a_log_whose_parts_show_different_things_is_cut_into_stretches_of_each() -> None:
+    """No stretch of 100 s has both speeds of this log, which lie 200 s apart."""
+    recording = swings((1.0, 100.0), (0.0, 100.0), (0.01, 100.0))
+
+    def amplitudes(**more):
+        cut, *_ = shortened(recording, **more)
+        return {float(f"{np.ptp(cut.log(one).position):.1g}") for one in cut.pieces}, cut
+
+    assert amplitudes(number=1)[0] == {2.0}
+    both, cut = amplitudes()
+    assert {2.0, 0.02} <= both
+    _, fewer = amplitudes(share=0.2)
+    assert len(fewer.segments) == 2
+    assert max(one.end - one.begin for one in fewer.segments) == 10_000
+    assert not cut.joins_several
+    assert np.ptp(cut.first.position) == pytest.approx(2.0, rel=1e-3)  # where it moves farthest
+    for one in cut.segments:
+        part = cut.log(one)
+        at = part.force.astype(int)
+        np.testing.assert_array_equal(part.position, recording.position[at])
+        assert at[0] == 0 or np.gradient(recording.position)[at[0]] != 0.0  # it slides
+        assert one.source == "long.csv"
+
+
+@pytest.mark.parametrize("late", [3, -3])
+def test_the_force_of_stretches_is_aligned_in_each(late):
+    cut, *_ = shortened(swings((1.0, 100.0), (0.0, 100.0), (0.01, 100.0)))
+    moved = aligned(cut, late)
+    assert len(moved.segments) == len(cut.segments)
+    for one, own in zip(moved.segments, cut.segments, strict=True):
+        x, of = moved.log(one), cut.log(own)
+        begin = max(-late, 0)
+        np.testing.assert_array_equal(x.position, of.position[begin : begin + len(x.t)])
+        np.testing.assert_array_equal(x.force - x.force[0], np.arange(len(x.t)))
+        assert x.force[0] - of.force[0] == max(late, 0)
+
+
+def test_a_log_of_stretches_is_joined_with_others() -> None:
+    cut, *_ = shortened(swings((1.0, 100.0), (0.0, 100.0), (0.01, 100.0)))
+    other = replace(swings((1.0, 5.0)), source="other.csv")
+    both = join([other, cut], [{"K_p": 1.0}, {"K_p": 2.0}], [0.0, 3.0])
+    assert both.joins_several
+    assert both.source == "other.csv and long.csv"
+    first, *rest = both.segments
+    assert (first.gains, first.load) == ({"K_p": 1.0}, 0.0)
+    assert {(one.gains["K_p"], one.load) for one in rest} == {(2.0, 3.0)}
+    for one, own in zip(rest, cut.segments, strict=True):
+        np.testing.assert_array_equal(both.log(one).force, cut.log(own).force)
+    quick = replace(cut, t=0.5 * cut.t)
+    at_rate = join([other, quick], [None, None], [0.0, 0.0])
+    for one, own in zip(at_rate.segments[1:], cut.segments, strict=True):
+        slow, fast = at_rate.log(one).position, cut.log(own).position
+        assert len(slow) == pytest.approx(len(fast) / 2, abs=1)
+        assert slow[0] in fast[:2]
+        np.testing.assert_array_equal(slow, fast[list(fast).index(slow[0]) :: 2][: len(slow)])
