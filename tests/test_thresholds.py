@@ -521,8 +521,7 @@ def differs(share):
 
 def is_own_offset(errors):
     """Return whether a constant force of a log that is so many standard errors counts."""
-    logs = [rigid_drive(), replace(rigid_drive(), source="other")]
-    both = join(logs, [None, None], [0.0, 0.0])
+    both = join([rigid_drive(), rigid_drive()], [None, None], [0.0, 0.0])
     found = Regression(np.array([3.0, 20.0, 4.0, 0.0, 1.0]), np.eye(5) / errors**2, {})
     with patch.object(log_offsets, "regress", lambda *_: found):
         return log_offsets.with_log_offsets(both)[0] is not both

@@ -50,7 +50,9 @@ def shortened(
     cut = [recording.part(*one) for one in parts]
     if len(cut) == 1:
         return cut[0], (note,)
-    return join(cut, [None] * len(cut), [0.0] * len(cut)), (note,)
+    joined = join(cut, [None] * len(cut), [0.0] * len(cut))
+    segments = tuple(replace(one, log=0) for one in joined.segments)
+    return replace(joined, source=recording.source, segments=segments), (note,)
 
 
 def _most_telling(

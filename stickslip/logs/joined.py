@@ -60,20 +60,19 @@ def join(
         for name in names:
             pieces[name].append(log.arrays[name])
         segments += (
-            replace(one, begin=one.begin + n, end=one.end + n, gains=gains[k], load=loads[k])
+            Segment(one.begin + n, one.end + n, one.source, gains=gains[k], load=loads[k], log=k)
             for one in log.pieces
         )
         n += len(log.t)
     signals: dict[str, Any] = {
         name: np.concatenate(pieces[name]) if name in names else None for name in first.arrays
     }
-    sources = list(dict.fromkeys(one.source for one in segments))
-    several = f"{sources[0]} and {len(sources) - 1} others"
+    several = f"{first.source} and {len(logs) - 1} others"
     return replace(
         first,
         **signals | {"t": T_s * np.arange(n)},
         encoder_step=max(one.encoder_step for one in logs),
-        source=" and ".join(sources) if len(sources) < 3 else several,
+        source=" and ".join(one.source for one in logs) if len(logs) < 3 else several,
         segments=tuple(segments),
     )
 

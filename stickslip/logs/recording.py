@@ -22,6 +22,7 @@ class Segment:
     # of its controller's FMU; None where not known
     gains: Mapping[str, float] | None = field(default=None, compare=False)
     load: float = 0.0  # mass that it moves beside that of the drive [kg]
+    log: int = 0  # number of the log; stretches of one have the same
 
 
 @dataclass(frozen=True)
@@ -80,13 +81,13 @@ class Recording:
             shown = log.velocity if log.position is None else np.diff(log.position)
             return 0.0 if shown is None else float(np.sum(np.abs(shown)))
 
-        own = [one for one in self.pieces if one.source == self.pieces[0].source]
+        own = [one for one in self.pieces if one.log == self.pieces[0].log]
         return max(map(self.log, own), key=way)
 
     @property
     def joins_several(self) -> bool:
         """Whether it is of several logs, and not only of stretches of one."""
-        return len({one.source for one in self.pieces}) > 1
+        return len({one.log for one in self.pieces}) > 1
 
     @property
     def rotary(self) -> bool:

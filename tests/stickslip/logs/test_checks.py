@@ -184,6 +184,8 @@ def test_a_log_of_stretches_is_joined_with_others() -> None:
     both = join([other, cut], [{"K_p": 1.0}, {"K_p": 2.0}], [0.0, 3.0])
     assert both.joins_several
     assert both.source == "other.csv and long.csv"
+    assert join([cut, cut], [None, None], [0.0, 0.0]).joins_several  # two of the same name
+    assert len({len(both.first.t), len(other.t)}) == 1
     first, *rest = both.segments
     assert (first.gains, first.load) == ({"K_p": 1.0}, 0.0)
     assert {(one.gains["K_p"], one.load) for one in rest} == {(2.0, 3.0)}
