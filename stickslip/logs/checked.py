@@ -21,7 +21,7 @@ ROW = 0.02  # time over which the motion is averaged [s]
 SPEEDS = np.geomspace(1e-4, 1.0, 13)  # limits of classes of speed, as shares of the top speed
 STRONG = 0.5  # share of the strongest acceleration above which one shows the mass
 PLACES = 8  # classes of the position
-STRETCHES = 10  # of a long log, as long together as a recording may be
+STRETCHES = 10  # of a long log, as long together as a recording may be (decision 184)
 SLOW = 0.03  # speed at which they begin, over the top speed
 GRID = 4  # places in a stretch where another may begin
 
