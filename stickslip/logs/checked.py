@@ -76,13 +76,14 @@ def _most_telling(
     kinds = [speed == k for k in range(1, len(SPEEDS) + 1)]
     kinds += [(place == k) & (speed > 0) for k in range(PLACES)]
     kinds += [np.abs(a) > STRONG * np.quantile(np.abs(a), 0.999), turns]
-    ways = [kind & (np.sign(v) == way) for kind in kinds for way in (1.0, -1.0)]
-    count = np.cumsum(np.pad(ways, ((0, 0), (1, 0))), axis=1)
     apart = max(length // GRID, 1)
     begins = np.arange(0, len(v) - length - apart + 2, apart)
     off = np.abs(np.log(np.maximum(np.abs(v) / top, 1e-9) / SLOW))
     begins[1:] += np.argmin(sliding_window_view(off, apart)[begins[1:]], axis=1)
-    rows = count[:, begins + length] - count[:, begins]
+    counts = (
+        np.append(0, np.cumsum(kind & (np.sign(v) == way))) for kind in kinds for way in (1.0, -1.0)
+    )
+    rows = np.array([count[begins + length] - count[begins] for count in counts])
     chosen: list[int] = []
     total = np.zeros(len(rows))
     while len(chosen) < number and len(begins):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from stickslip.identification.criteria.controller_check import check_reading
 from stickslip.identification.criteria.inverse_model import ForceCost, InverseModel
 from stickslip.identification.criteria.known_loop import KnownLoop
 from stickslip.identification.criteria.runs import RECENT, Runs
@@ -15,6 +16,7 @@ from stickslip.identification.estimation.agreement import contradictions
 from stickslip.identification.fitting.search import best_fit
 from stickslip.identification.fitting.start import begin
 from stickslip.identification.sliding.log_offsets import with_log_offsets
+from stickslip.logs import Controller, Reading
 from stickslip.logs.checked import shortened
 from stickslip.logs.joined import join
 from stickslip.planning import SET, Limits, plan
@@ -73,6 +75,8 @@ def test_stretches_of_a_long_log_show_what_no_part_of_it_does(candidates, monkey
     for name in ("m", "F_c", "F_s"):
         assert found.parameters[name] == pytest.approx(drives.STAGE[name], rel=0.03), name
     assert found.errors()["F_s"] < 0.5 * alone.errors()["F_s"]
+    check = check_reading(Reading(stretches, Controller("PI", **drives.GAINS)))
+    assert check.error < 0.02  # each stretch begins with a memory of its own
 
 
 @pytest.mark.thorough

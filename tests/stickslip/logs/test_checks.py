@@ -161,7 +161,9 @@ def test_a_log_whose_parts_show_different_things_is_cut_into_stretches_of_each()
         part = cut.log(one)
         at = part.force.astype(int)
         np.testing.assert_array_equal(part.position, recording.position[at])
-        assert at[0] == 0 or np.gradient(recording.position)[at[0]] != 0.0  # it slides
+        if at[0] and np.ptp(part.position) > 1.0:  # it slides slowly there
+            v = abs(np.gradient(part.position, T_s)[10]) / (0.4 * np.pi)
+            assert v == pytest.approx(0.03, rel=0.5)
         assert one.source == "long.csv"
 
 
@@ -185,7 +187,7 @@ def test_a_log_of_stretches_is_joined_with_others() -> None:
     assert both.joins_several
     assert both.source == "other.csv and long.csv"
     assert join([cut, cut], [None, None], [0.0, 0.0]).joins_several  # two of the same name
-    assert len({len(both.first.t), len(other.t)}) == 1
+    assert len(both.first.t) == len(other.t)
     first, *rest = both.segments
     assert (first.gains, first.load) == ({"K_p": 1.0}, 0.0)
     assert {(one.gains["K_p"], one.load) for one in rest} == {(2.0, 3.0)}
