@@ -1,5 +1,6 @@
 """Figures of what one recording gave: recording, force, residual, and profile likelihoods."""
 
+from collections.abc import Iterator
 from string import ascii_lowercase
 from textwrap import fill
 from typing import Any
@@ -22,6 +23,7 @@ from stickslip.presentation import style
 from stickslip.presentation.interactive import keep
 from stickslip.presentation.quantity import meaning, number, percent, symbol
 from stickslip.presentation.scale import (
+    COLUMNS,
     WORDS,
     Scale,
     force_scale,
@@ -60,6 +62,8 @@ def draw_recording(estimation: Estimation) -> Figure:
     elif position is not recorded:
         place += ", from its first value on"
     title = "Measured friction" if measures_friction(estimation) else f"Motor {push}"
+    logged = np.concatenate([np.arange(one.begin, one.end) for one in recording.pieces])
+    t = recording.t[logged]
     shown = (
         (place, position, command, position_scale(motion, position)),
         (
@@ -73,10 +77,10 @@ def draw_recording(estimation: Estimation) -> Figure:
     for axes, letter, (name, signal, wanted, scale) in zip(panels, "abc", shown, strict=True):
         style.zero_lines(axes)
         colour = style.INK if letter == "c" else style.WITH
-        _line(axes, recording.t, signal, scale, color=colour, lw=0.8, label="recorded")
+        _line(axes, t, signal[logged], scale, color=colour, lw=0.8, label="recorded")
         if wanted is not None:
             look: dict[str, Any] = {"color": style.WITHOUT, "lw": 0.8, "ls": style.DASHED}
-            _line(axes, recording.t, wanted, scale, label="command", **look)
+            _line(axes, t, wanted[logged], scale, label="command", **look)
             _legend_above(axes, 0.28)
         axes.set_ylabel(f"{name.split(',')[0].split()[-1].capitalize()} [{scale.unit}]")
         style.name_panel(axes, letter, name)
@@ -86,9 +90,16 @@ def draw_recording(estimation: Estimation) -> Figure:
 
 
 def _line(axes: Axes, t: Array, signal: Array, scale: Scale, **look: Any) -> None:
-    values = scale.factor * signal
-    (line,) = axes.plot(*thinned(t, values), **look)
-    keep(line, *thinned(t, values, OPENED))
+    """Draw a signal (n,), with a gap where time is left out."""
+    left_out = np.flatnonzero(np.diff(t) > 1.5 * (t[1] - t[0])) + 1
+    logs = list(zip(np.split(t, left_out), np.split(scale.factor * signal, left_out), strict=True))
+
+    def shown(columns: int) -> Iterator[Array]:
+        for signals in zip(*(thinned(*one, -(-columns // len(logs))) for one in logs), strict=True):
+            yield np.concatenate([np.append(one, np.nan) for one in signals])[:-1]
+
+    (line,) = axes.plot(*shown(COLUMNS), **look)
+    keep(line, *shown(OPENED))
 
 
 def _legend_above(axes: Axes, room: float, loc: Any = "upper right") -> Any:

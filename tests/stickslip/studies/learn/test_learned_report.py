@@ -19,12 +19,13 @@ from stickslip.identification.estimation.faults import HeldOut
 from stickslip.identification.fitting.fit import Fit
 from stickslip.identification.fitting.start import Start
 from stickslip.logs import Finding, Recording
+from stickslip.logs.recording import Segment
 from stickslip.presentation.page import Picture
 from stickslip.presentation.quantity import interval, number
 from stickslip.presentation.scale import thinned
 from stickslip.presentation.style import house_style
 from stickslip.studies.learn.page import FIGURES, use, write_estimation_report
-from stickslip.studies.learn.page.figures import _resolved, draw_residual
+from stickslip.studies.learn.page.figures import _resolved, draw_recording, draw_residual
 from stickslip.studies.learn.page.tracking import tracking_section, window
 from tests.kept import further
 
@@ -217,6 +218,20 @@ def test_a_disturbance_of_one_frequency_is_a_peak_of_the_spectrum():
     # In its bins the disturbance has its RMS, in micrometres.
     near = abs(f - 50.0) < 5.0
     assert np.sqrt(np.sum(density[near] ** 2) * (f[1] - f[0])) == pytest.approx(0.5**0.5, rel=0.01)
+
+
+def test_what_joins_two_logs_is_not_drawn():
+    estimation = made("loop")
+    pieces = Segment(0, 10_000, "one"), Segment(11_000, 30_000, "other")
+    recording = replace(estimation.recording, segments=pieces)
+    with house_style():
+        figure = draw_recording(replace(estimation, recording=recording))
+    for axes in figure.axes:
+        shown = [t for line in axes.get_lines() if len(t := line.get_xdata()) > 2]
+        assert shown
+        for t in shown:
+            assert not np.any((t >= recording.t[10_000]) & (t < recording.t[11_000]))
+            assert np.count_nonzero(np.isnan(t)) == 1
 
 
 @pytest.mark.parametrize(("error", "beside", "offered"), [
