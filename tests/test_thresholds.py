@@ -183,7 +183,12 @@ def is_at_rest(swing, reversals):
 def chosen(mean):
     """Return which is recommended: static feedforward, or what leaves ``mean`` times its error."""
     rows = [
-        Row(name, k, 1.5, namespace(mean_ratio=error, acceptable=True, worst_ratio=1.0))
+        Row(
+            name,
+            k,
+            1.5,
+            namespace(mean_ratio=error, weighed=error, acceptable=True, worst_ratio=1.0),
+        )
         for k, (name, error) in enumerate({"static": 0.5, "observer": 0.5 * mean}.items())
     ]
     return CompensatorComparison(tuple(rows)).chosen.name
@@ -191,7 +196,10 @@ def chosen(mean):
 
 def alone(mean):
     """Return what is written where one compensator leaves ``mean`` of the error."""
-    both = {"none": None, "it": namespace(mean_ratio=mean, acceptable=True, worst_ratio=1.0)}
+    both = {
+        "none": None,
+        "it": namespace(mean_ratio=mean, weighed=mean, acceptable=True, worst_ratio=1.0),
+    }
     rows = [Row(name, k, 1.5, benefit) for k, (name, benefit) in enumerate(both.items())]
     return CompensatorComparison(tuple(rows)).chosen.name
 

@@ -79,6 +79,11 @@ class Variant:
         chain = (shared(one) if one.name == FEEDFORWARD else one for one in self.chain)
         return replace(self, chain=tuple(chain))
 
+    def changed(self, part: Compensator, name: str, value: float) -> "Variant":
+        """Return the same with another value of one of its parts."""
+        other = replace(part, values={**part.values, name: value})
+        return replace(self, chain=tuple(other if one is part else one for one in self.chain))
+
     @property
     def parameters(self) -> dict[str, float]:
         """Start values of the loop's FMUs."""
@@ -287,6 +292,11 @@ class Benefit:
     def worst_ratio(self) -> float:
         """Largest ratio."""
         return max(row.ratio for row in self.rows)
+
+    @property
+    def weighed(self) -> float:
+        """Mean ratio times the largest one where that is above 1: of two alike the safer counts."""
+        return self.mean_ratio * max(self.worst_ratio, 1.0)
 
     @property
     def reason(self) -> str:

@@ -29,7 +29,7 @@ from stickslip.servo.systems import Compensator
 from stickslip.thresholds import harm, offer
 from stickslip.trial import observed
 from stickslip.trial.benefit import SHARES as FORCES
-from stickslip.trial.benefit import Bench, Benefit, Variant, feedforward
+from stickslip.trial.benefit import Bench, Benefit, Variant, feedforward, harmful, is_acceptable
 
 AUTO = "auto"  # stands for the compensator that does best, and for the law that a log shows
 QUICK = 3  # drives on which candidates are compared first: as fitted, less, more friction
@@ -66,7 +66,7 @@ class Row:
     @property
     def weighed(self) -> float:
         """The same times the largest ratio where that is above 1: of two alike the safer counts."""
-        return self.mean * max(self.benefit.worst_ratio if self.benefit else 1.0, 1.0)
+        return self.benefit.weighed if self.benefit else 1.0
 
     @property
     def acceptable(self) -> bool:
@@ -291,33 +291,51 @@ class _Candidates(ExitStack):
         return found
 
     def _safe(self, benefit: Benefit) -> Benefit:
-        """Return a compensator that harms nowhere in the sweep: later, or with less force."""
-        found = benefit
-        for changed in (benefit, *self._later(benefit), *self._weaker(benefit)):
-            shared = changed.variant.share(self.bench.law, changed.share)
-            found = replace(changed, swept=self.bench.swept(shared, changed.most))
-            if not found.is_safe or changed is benefit:
-                if found.acceptable:
-                    break
+        """Return a compensator that harms nowhere in the sweep: later, or with less force.
+
+        Of each way to change it the first one that harms nowhere takes part, and the best is taken.
+        """
+        shared = benefit.variant.share(self.bench.law, benefit.share)
+        found = replace(benefit, swept=self.bench.swept(shared, benefit.most))
+        if found.acceptable:
+            return found
+        ways = (self._later(benefit), self._softer(benefit), self._weaker(benefit))
+        safe = [one for way in ways if (one := self._first_safe(way))]
+        return min(safe, key=lambda one: one.weighed, default=found)
+
+    def _first_safe(self, changed: Iterable[Benefit]) -> Benefit | None:
+        """Return the first one that helps and harms nowhere in the sweep; None if none does."""
+        for one in changed:
+            shared = one.variant.share(self.bench.law, one.share)
+            swept = self.bench.swept(shared, one.most)
+            if harmful(swept, one.most):
                 continue
             (other,) = self.bench.benefits([shared], shares=(1.0,))
-            full = found.full if found.variant.has_feedforward else other.rows
-            found = replace(found, rows=other.rows, beyond=other.beyond, full=full)
+            full = one.full if one.variant.has_feedforward else other.rows
+            found = replace(one, rows=other.rows, beyond=other.beyond, full=full, swept=swept)
             if found.acceptable and found.mean_ratio <= offer.GAIN:
-                break
-        return found
+                return found
+        return None
 
     def _later(self, benefit: Benefit) -> Iterator[Benefit]:
         """Yield the same with an observer that acts from larger displacements [m] on.
 
         With the last one all moves of the sweep are left alone.
         """
-        *before, last = benefit.variant.chain
+        last = benefit.variant.chain[-1]
         onset, longest = last.values.get("onset", 0.0), harm.ONSET * self.bench.longest_move
         while 0.0 < onset < longest:
             onset = min(LATER * onset, longest)
-            changed = replace(last, values={**last.values, "onset": onset})
-            yield replace(benefit, variant=replace(benefit.variant, chain=(*before, changed)))
+            yield replace(benefit, variant=benefit.variant.changed(last, "onset", onset))
+
+    def _softer(self, benefit: Benefit) -> Iterator[Benefit]:
+        """Yield the same with all of a static feedforward, at larger velocities [m/s]."""
+        first = benefit.variant.chain[0]
+        if benefit.variant.has_feedforward and _RAMP in first.values:
+            for ramp in (k * self.speed for k in LATE):
+                if ramp > first.values[_RAMP]:
+                    variant = benefit.variant.changed(first, _RAMP, ramp)
+                    yield replace(benefit, share=1.0, variant=variant)
 
     def _weaker(self, benefit: Benefit) -> Iterator[Benefit]:
         """Yield the same with smaller shares of the feedforward's force."""
@@ -329,13 +347,16 @@ class _Candidates(ExitStack):
         if part.model == ANY_LAW:
             return Row(part.name, 2, self._without, self.own)
         start = self._values(part)
+        tried: list[Benefit] = []
         for later in ({}, *({_RAMP: k * self.speed} for k in LATE if _RAMP in start)):
             one = Compensator(part.name, part.model, {**start, **later})
             whole = feedforward(one.parameters(self.bench.loop), part.name, part.model)
-            (benefit,) = self.bench.benefits([whole])
-            if benefit.acceptable:
+            tried += self.bench.benefits([whole])
+            if is_acceptable(tried[-1].full):
                 break
-        return Row(part.name, 1, self._without, benefit)
+        acceptable = [one for one in tried if one.acceptable]
+        best = min(acceptable, key=lambda one: one.weighed, default=tried[-1])
+        return Row(part.name, 1, self._without, best)
 
     def _quick(self, behind: Row | None, part: Part) -> float:
         """Return the mean ratio of an observer on few drives; infinite without one."""

@@ -242,7 +242,7 @@ def deflections(
     """
     several: tuple[float, ...] = (deflection({}, command),)
     if encoder_step:
-        several = hidden_deflections(encoder_step, LENGTHS)
+        several = hidden_deflections(encoder_step, LENGTHS, LONGEST)
     level = {_base(one): one.parameters for one in reversed(drives)}
     found = {}
     for one in drives:
@@ -253,9 +253,9 @@ def deflections(
     return found
 
 
-def hidden_deflections(encoder_step: float, n: int) -> tuple[float, ...]:
+def hidden_deflections(encoder_step: float, n: int, longest: float = 1.0) -> tuple[float, ...]:
     """Return n presliding deflections [m] that an encoder with this step [m] hardly shows."""
-    ends = harm.HIDDEN * encoder_step, LONGEST * harm.RESOLVED * encoder_step
+    ends = harm.HIDDEN * encoder_step, longest * harm.RESOLVED * encoder_step
     return tuple(np.geomspace(*ends, n).tolist())
 
 

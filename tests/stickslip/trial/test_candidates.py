@@ -20,6 +20,7 @@ from stickslip.servo.velocity_filter import Observer, VelocityFilter
 from stickslip.servo.velocity_loop import LoopSpecification, design_velocity_loop
 from stickslip.thresholds import harm, offer
 from stickslip.trial import benefit as trial_benefit
+from stickslip.trial import candidates as trial_candidates
 from stickslip.trial.benefit import (
     Bench,
     Benefit,
@@ -119,11 +120,14 @@ def test_the_sensitivity_is_that_of_the_linear_loop(compared):
     assert row.choice == "observer"
 
 
-def test_a_combination_has_at_most_the_acceptable_share_of_its_feedforward(compared):
+def test_a_combination_rises_at_most_as_steeply_as_its_feedforward(compared):
     found = compared(asked="static+friedland_park")
     static, both = found.rows[1:]
     assert (static.name, both.name) == ("static", "static+friedland_park")
-    assert both.benefit.share <= static.benefit.share
+    steep, steepest = (
+        one.benefit.share / one.benefit.variant.feedforward["v_t"] for one in (both, static)
+    )
+    assert steep <= steepest
     first, second = both.benefit.variant.chain
     assert (first.model, second.model) == ("static_feedforward", "momentum_observer")
     assert both.choice == "feedforward + observer"
@@ -210,6 +214,35 @@ def test_less_force_or_another_is_written_where_a_small_move_harms(compared, mon
     assert not refused.acceptable
     assert "in any small move" in refused.benefit.refusal
     assert not compared().chosen.benefit.variant.has_feedforward
+
+
+def test_static_feedforward_rises_later_where_the_sweep_harms(compared, monkeypatch):
+    later = compared(asked="static").chosen
+    monkeypatch.setattr(trial_candidates, "LATE", ())
+    less = compared(asked="static").chosen
+    assert later.acceptable
+    assert not less.acceptable
+    assert later.benefit.share == 1.0
+    ramps = [one.benefit.variant.feedforward["v_t"] for one in (later, less)]
+    assert ramps[0] > ramps[1]
+
+
+def test_static_feedforward_rises_later_where_all_of_it_harms(compared, monkeypatch):
+    """At small velocities all of its force is made to harm, and half of it does not."""
+    tried = Bench._tried
+
+    def harms(bench, variant, cells):
+        rows, own = tried(bench, variant, cells), variant.feedforward
+        if own and own["v_t"] < 1e-3 and own["F_c"] > 0.6 * FRICTION["F_c"]:
+            return tuple(replace(row, compensated=1.1 * row.without) for row in rows)
+        return rows
+
+    monkeypatch.setattr(Bench, "_tried", harms)
+    monkeypatch.setattr(Bench, "swept", lambda *_: moves(0.5))
+    found = compared(asked="static").chosen
+    assert found.acceptable
+    assert found.benefit.share == 1.0
+    assert found.benefit.variant.feedforward["v_t"] > 1e-3
 
 
 def test_an_observer_acts_later_where_small_moves_harm(compared, monkeypatch):
