@@ -26,6 +26,7 @@ MARGIN = 2.0
 """Factor of the controller gains with which the loop is still stable, free and where it sticks."""
 DAMPING = {"lugre": (0.3, 1.2), "elasto_plastic": (0.3, 1.2), "gms": (0.1, 0.5)}
 """sigma_1 / (2 sqrt(sigma_0 m))."""
+BREAK_AWAY = (0.3, 0.9)  # deflection at which an elasto-plastic contact yields, over F_c / sigma_0
 AXES = ("horizontal", "vertical", "arm", "geared", "cogging")
 ARMS = ("arm", "geared")
 HEAVIEST = 5.0  # weight of a vertical axis or an arm, in F_c
@@ -184,6 +185,7 @@ def _candidate(rng: np.random.Generator, number: int, axis: str) -> Drive:
         "u_max": rng.uniform(1.5, 3.0) * (F_s + b * speed + m * acceleration),
         "encoder": encoder,
         "phase": rng.uniform(),
+        "z_ba": rng.spawn(1)[0].uniform(*BREAK_AWAY),
     }
     return Drive(
         name=f"drive_{number:02}",

@@ -19,6 +19,7 @@ typedef struct {
     double motor, held;               /* force of motor and integral at the start */
     double K_p, K_i, K_x, velocity_feedforward, tau_f, T_s, u_min, u_max;
     double encoder, phase; /* step, and where in it the drive begins [1] */
+    double z_ba;           /* break-away deflection of the elasto-plastic law, over F_c / sigma_0 */
 } Drive;
 
 typedef struct {
@@ -47,7 +48,8 @@ static double level(int law, const Drive *d, double x, double v) {
 static double bristle(const Drive *d, Contact *s, double v, double h, double g, int elastic) {
     double mean = 0.0;
     for (int k = 0; k < 4; ++k) {
-        double hh = h / 4.0, most = g / d->sigma_0, least = 0.7 * d->F_c / d->sigma_0, share = 1.0;
+        double hh = h / 4.0, most = g / d->sigma_0, least = d->z_ba * d->F_c / d->sigma_0,
+               share = 1.0;
         double away = fabs(s->z);
         if (elastic) {
             if (s->z * v <= 0.0 || away <= least)

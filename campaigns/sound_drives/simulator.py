@@ -16,11 +16,11 @@ PARAMETERS = (
     *("asymmetry", "uneven", "period", "origin"),
     *("F_0", "g_s", "g_c", "mu_g", "pitch", "s_1", "c_1", "s_2", "c_2", "motor", "held"),
     *("K_p", "K_i", "K_x", "velocity_feedforward", "tau_f", "T_s"),
-    *("u_min", "u_max", "encoder", "phase"),
+    *("u_min", "u_max", "encoder", "phase", "z_ba"),
 )
 DEFAULTS = {
     "delta": 1.0, "period": 1.0, "pitch": 1.0, "velocity_feedforward": 1.0, "u_min": -math.inf,
-    "u_max": math.inf,
+    "u_max": math.inf, "z_ba": 0.7,
 }  # fmt: skip
 SUBSTEP = 5e-5  # [s]
 _Doubles = ctypes.POINTER(ctypes.c_double)

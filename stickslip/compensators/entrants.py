@@ -47,7 +47,8 @@ class Coarse:
         known = _known(name, law)
         value = scaled_start(known, self.friction, DEFLECTION * self.speed / SPEED)
         rng = np.random.default_rng([self.seed, zlib.crc32(name.encode())])
-        return float(value * np.exp((known.spread or SPREAD) * rng.standard_normal()))
+        value *= np.exp((known.spread or SPREAD) * rng.standard_normal())
+        return float(np.clip(value, known.low, known.high))
 
     def scale(self, unit: str) -> float:
         """Return the factor on values of a unit that hold for the paper's stage."""
@@ -228,7 +229,7 @@ class Part:
         for name in self.friction:
             if name not in self.ranges:
                 start = coarse.start(name, self.law)
-                span = start / RANGE, start, start * RANGE
+                span = start / RANGE, start, min(start * RANGE, _known(name, self.law).high)
                 found.append(_gene(f"{self.name}.{name}", span, 1.0))
         return found
 

@@ -35,8 +35,8 @@ RESOLVED = Threshold(
     15.0, "decision 135: at 5 to 14, the sigma_0 taken was 0.4 to 0.7 times the true"
 )
 """Encoder steps of the least presliding deflection that a log supports, below which the log does
-not show presliding, so that observers have an onset, and no drive is elasto-plastic beside LuGre's
-law (decision 170)."""
+not show presliding, so that observers have an onset; the longest that is tried where the law has no
+presliding (decision 185)."""
 HIDDEN = Threshold(
     5.0, "docs/measurements/sound-drives.md: least of the drives with a ratio above 1"
 )

@@ -28,10 +28,10 @@ STATIC = Threshold(0.02, "decision 181: 78 of 89 intervals held without, 84 with
 """The same of static friction."""
 STRIBECK = Threshold(0.08, "decision 181: 69 of 78 held without, 72 with it")
 """The same of the Stribeck velocity."""
-ELASTIC = Threshold(
-    1.2, "decision 177: elasto-plastic contacts lay up to 1.19 times beyond 8 of 12 intervals"
+RATIO = Threshold(
+    0.03, "decision 187: with uneven friction z_ba was found as 0.66, 0.67 and 0.69 for 0.7"
 )
-"""Stiffness of an elasto-plastic contact over the end of the interval of another law."""
+"""Least standard error of a ratio that shapes the force."""
 SOFTEST = Threshold(0.5, "decision 62: 0.01 of the stiffness leaves 3.5 times the error")
 """Share of a fitted stiffness or damping below which the compensator does not take it."""
 BEYOND = Threshold(1.25)

@@ -158,8 +158,6 @@ def try_compensator(
     )
 
 
-ELASTIC = "elasto_plastic"
-"""Law of bristles that do not slip before they break away."""
 DAMPED = 0.5  # damping ratio of a mass on bristles that a log does not show
 RAMPS = (0.02, VALIDATION.height / VALIDATION.slope)
 """Least and largest time of a ramp to a log's speed [s]: what the low-pass of accelerations shows
@@ -223,8 +221,7 @@ def known_friction(estimation: Estimation, top: float, levels: tuple[float, floa
     Its highest speed is ``top`` [m/s]. Static friction is bounded by the largest friction in the
     log, with a reserve. Other laws are those that predict the force where they were not fitted
     about as well as the best one does, or as well as noise and steps allow; of those without
-    presliding, one. Where the encoder resolves presliding, every second drive with bristles has
-    some that do not slip before they break away, which logs do not tell from others.
+    presliding, one.
     """
     space, known, law = estimation.fit.space, estimation.known, estimation.law
     taken = (known[name].value for name in space.bounded)
@@ -237,6 +234,8 @@ def known_friction(estimation: Estimation, top: float, levels: tuple[float, floa
             low, high = (min(max(end, least), most) for end in (low, high))
         else:
             low, high = max(low, fitted[name] / harm.WIDE), min(high, fitted[name] * harm.WIDE)
+        limits = law.parameters[name]
+        low, high = max(low, limits.low), min(high, limits.high)
         if name in space.bounded:
             high = min(known[name].high, largest)
         ranges[name] = (low, max(low, high))
@@ -251,12 +250,6 @@ def known_friction(estimation: Estimation, top: float, levels: tuple[float, floa
         if explains and not (other.name in draws or tried.candidate.is_level or is_alike):
             draws[other.name] = tried.plausible
     step = estimation.recording.encoder_step or 0.0
-    first, *others = draws.get("lugre", ({},))
-    is_new = others and ELASTIC not in draws
-    if is_new and first["F_c"] >= harm.RESOLVED * step * first["sigma_0"]:
-        z_ba = friction_law(ELASTIC).parameters["z_ba"].start[0]
-        draws[ELASTIC] = [{**one, "z_ba": z_ba} for one in others[::2]]
-        draws["lugre"] = [first, *others[1::2]]
     if step and not any(presliding(friction_law(name)) for name in draws):
         draws["lugre"] = unseen(draws[law.name], step)
     spaces = {name: ParameterSpace.of(friction_law(name)) for name in draws}

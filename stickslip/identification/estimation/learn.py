@@ -43,6 +43,7 @@ from stickslip.identification.fitting.identifiability import (
     identifiability,
     largest_friction,
     least_errors,
+    of_ratios,
     of_sliding,
     profiles,
     unreliable,
@@ -130,6 +131,7 @@ def _learn(task: Task, scale: motion.Scale, progress: Progress) -> Estimation:
             errors |= least_errors(errors, best.parameters, names, step_size)
             degrees = BLOCKS - len(found.q)
             table = profiles(best, inverse.map, errors)
+        errors = of_ratios(errors, law)
         if recording.known_force is not None:
             errors = beside_force(errors, best.parameters)
         names = start.space.friction if inverse.measures_friction else start.space.reported

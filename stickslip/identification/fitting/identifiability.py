@@ -15,7 +15,7 @@ from stickslip.catalog.parameters import ParameterSpace, Values
 from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.fitting.fit import Fit, inverse_information
 from stickslip.identification.sliding.friction_curve import Interval
-from stickslip.models import LawParameter
+from stickslip.models import Law, LawParameter
 from stickslip.servo.measurement import Array
 from stickslip.thresholds import identifiable
 
@@ -91,20 +91,10 @@ def among_laws(
     return found
 
 
-def beside_elastic(
-    known: dict[str, Identifiability], law: str, space: ParameterSpace
-) -> dict[str, Identifiability]:
-    """Return the same with intervals of stiffness that hold that of an elasto-plastic contact.
-
-    A log does not tell it from bristles that creep: LuGre's law is fitted softer, GMS stiffer.
-    """
-    factors = {"lugre": (1.0, identifiable.ELASTIC), "gms": (1.0 / identifiable.ELASTIC, 1.0)}
-    one = known.get("sigma_0")
-    if one is None or law not in factors or one.identifiability == NOT_IDENTIFIABLE:
-        return known
-    low, high = (end * k for end, k in zip((one.low, one.high), factors[law], strict=True))
-    wider = Interval(one.value, one.standard_error, low, high)
-    return known | {"sigma_0": _classified("sigma_0", wider, space)}
+def of_ratios(errors: Mapping[str, float], law: Law) -> dict[str, float]:
+    """Return standard errors, those of ratios at least as large as what the guide makes of them."""
+    ratios = [name for name, one in law.parameters.items() if one.unit == "1" and name in errors]
+    return dict(errors) | {name: max(errors[name], identifiable.RATIO) for name in ratios}
 
 
 def least_errors(
@@ -304,14 +294,17 @@ def conservative(
     left without a compensator. Feedforward that is too strong, or lasts too long, pushes where
     there is no friction.
 
-    A value with a wide interval is moved to the end of that at which the force is the weakest;
-    static friction that is not identifiable is the Coulomb friction. Unless it is identifiable, it
-    is not above the largest one that the recording shows. ``largest`` is that one [N].
+    A value with a wide interval is moved to the end of that at which the force is the weakest, but
+    for a ratio, which shapes the force; static friction that is not identifiable is the Coulomb
+    friction. Unless it is identifiable, it is not above the largest one that the recording shows.
+    ``largest`` is that one [N].
     """
     taken = dict(known)
     for name, one in known.items():
         parameter = space.law.parameters.get(name)
         if parameter is None or parameter.at_least or one.identifiability == IDENTIFIABLE:
+            continue
+        if parameter.unit == "1":
             continue
         wide = half_width(name, one, space) > identifiable.TAKEN
         if wide or one.identifiability == NOT_IDENTIFIABLE:

@@ -21,15 +21,18 @@ PATIENCE = 100
 
 
 def problem(start: Start) -> ga.Problem:
-    """Return a gene for each parameter of the law, logarithmic, between the bounds of the space."""
+    """Return a gene for each parameter of the law between the bounds of the space."""
     space = start.space
     low, high = space.decode(space.lower), space.decode(space.upper)
     for name, bound in space.bounded.items():
         low[name] = low[bound]
-    genes = [
-        ga.Gene(name, low[name], high[name], start.line[name], unit=space.law.parameters[name].unit)
-        for name in space.friction
-    ]
+
+    def gene(name: str) -> ga.Gene:
+        one = space.law.parameters[name]
+        linear, ends = one.coordinate == "linear", (low[name], high[name])
+        return ga.Gene(name, *ends, start.line[name], unit=one.unit, linear=linear)
+
+    genes = [gene(name) for name in space.friction]
     repairs = [ga.AtLeast(name, bound) for name, bound in space.bounded.items()]
     return ga.Problem(genes, repairs[0] if repairs else None)
 

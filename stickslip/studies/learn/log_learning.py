@@ -25,11 +25,9 @@ from stickslip.evaluation.tracking import (
 )
 from stickslip.fmi.files import digest
 from stickslip.identification.criteria.controller_check import in_time
-from stickslip.identification.criteria.inverse_model import InverseModel
 from stickslip.identification.criteria.known_loop import is_running
 from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.identification.estimation import CriterionName, LearnSettings, Search
-from stickslip.identification.fitting.identifiability import beside_elastic
 from stickslip.identification.sliding.checked_logs import Checked, Refused, check_logs, joined
 from stickslip.identification.sliding.position_force import PositionForce, with_position_force
 from stickslip.logs import (
@@ -303,14 +301,7 @@ def learn(
             tried = with_trial(replace(reading, recording=recording), learned, chosen, own)
         progress.stage("trying other gains of the controller")
         with counted_steps():
-            learned = with_tracking(reading, with_other_gains(tried, chosen))
-        # The trial has such contacts as drives of their own.
-        estimation = learned.estimation
-        if estimation.criterion == InverseModel.name:
-            law, space = estimation.law.name, estimation.fit.space
-            known = beside_elastic(estimation.known, law, space)
-            learned = replace(learned, estimation=replace(estimation, known=known))
-        return learned
+            return with_tracking(reading, with_other_gains(tried, chosen))
 
 
 def _learn_together(

@@ -28,7 +28,6 @@ from stickslip.servo.axis import ControlError
 from stickslip.studies.learn.document import log_document
 from stickslip.studies.learn.folder import write_learned
 from stickslip.studies.learn.verdict import LoopShare, _headline, lines, verdict_of
-from stickslip.thresholds import identifiable
 from stickslip.trial.benefit import Benefit, Variant
 from stickslip.trial.candidates import Row
 from tests.kept import further
@@ -50,12 +49,6 @@ def sound(learned_log):
 def leaving(ratio, benefit, share=1.0):
     rows = tuple(replace(row, compensated=ratio * row.without) for row in benefit.rows)
     return Benefit(share, rows, rows, benefit.unit, benefit.variant)
-
-
-def test_the_upper_end_of_a_stiffness_is_that_of_an_elastic_contact(sound):
-    """The interval of the fit is symmetric in the logarithm."""
-    known = sound.estimation.known["sigma_0"]
-    assert known.low * known.high == pytest.approx(identifiable.ELASTIC * known.value**2)
 
 
 def test_an_observer_leaves_a_weight_to_the_loop_unless_a_block_holds_it(sound):
