@@ -122,7 +122,10 @@ def raises(call, *errors):
     return False
 
 
-def evidence(step=None):
+SPACE = ParameterSpace.of(friction_law())
+
+
+def evidence(step=None, space=SPACE):
     """Return the drives that a log supports whose F_s and sigma_0 are 1, and poorly identified."""
     found = [
         replace(predicted(law, error), parameters=FRICTION, plausible=(FRICTION,))
@@ -130,22 +133,27 @@ def evidence(step=None):
     ]
     known = {
         one: namespace(value=1.0, low=1e-3, high=99.0, identifiability=LEVELS[one in POOR])
-        for one in SPACE.friction
+        for one in space.friction
     }
-    drive = namespace(fit=namespace(space=SPACE), known=known, law=SPACE.law, parameters={})
-    drive.plausible, drive.largest_friction = 16 * [dict.fromkeys(SPACE.friction, 1.0)], 9.0
+    drive = namespace(fit=namespace(space=space), known=known, law=space.law, parameters={})
+    drive.plausible, drive.largest_friction = 16 * [dict.fromkeys(space.friction, 1.0)], 9.0
     drive.held_out = namespace(predictions=found)
     drive.recording = namespace(encoder_step=step)
     return compensator_trial.known_friction(drive, 1.0, LearnSettings().friction_range).draws
+
+
+def test_what_is_drawn_of_a_ratio_stays_within_its_limits():
+    elastic = ParameterSpace.of(friction_law("elasto_plastic"))
+    drawn = [one["z_ba"] for one in evidence(space=elastic)["elasto_plastic"][1:]]
+    assert 0.9 < max(drawn) <= 0.99
 
 
 def most(name):
     return max(one[name] for one in evidence()["lugre"])
 
 
-SPACE = ParameterSpace.of(friction_law())
 RIVALS = (("lugre", 1.0), ("coulomb_stribeck", 2.0))
-POOR = ("F_s", "sigma_0")
+POOR = ("F_s", "sigma_0", "z_ba")
 POOR_ONE = {"F_c": 1.0, "sigma_0": 1.0}
 
 

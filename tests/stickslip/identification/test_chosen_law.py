@@ -14,6 +14,7 @@ from stickslip.papers.lugre.reproduction import Options, drive_truth, reproduce
 from stickslip.planning import Limits, plan
 from stickslip.rigs.fmu import rig_of
 from stickslip.servo.axis import LOOP
+from tests.kept import further
 from tests.stickslip.identification.drives import GAINS, STAGE, run, write_log
 
 pytestmark = pytest.mark.slow
@@ -120,3 +121,17 @@ def test_the_law_is_chosen_by_what_it_predicts(tmp_path, capsys):
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "Which friction law explains the log" in page
     assert "Coulomb-Stribeck with F_s = F_c" in page
+
+
+@pytest.mark.usefixtures("without_pictures", "untried")
+@pytest.mark.parametrize("z_ba", [0.35, *further(0.85)])
+def test_a_log_shows_the_deflection_at_which_an_elastic_contact_yields(tmp_path, z_ba):
+    """The law begins at 0.7."""
+    command = plan(Limits(duration=5.0))["velocity_command"].to_numpy()
+    recorded = run("elasto_plastic", command, uneven=0.0, z_ba=z_ba)
+    log = write_log(tmp_path / "log.csv", recorded)
+    assert main(["learn", str(log), "--criterion", "inverse", "--out", str(tmp_path / "out")]) == 0
+    learned = json.loads((tmp_path / "out" / "learned.json").read_text())
+    assert learned["law"] == "elasto_plastic"
+    found = learned["parameters"]["z_ba"]
+    assert found["low"] <= z_ba <= found["high"] < found["low"] + 0.3

@@ -56,6 +56,8 @@ def test_what_is_identifiable_stays_and_what_is_not_is_taken_at_its_weak_end():
     assert both["F_s"] == both["F_c"] == pytest.approx(0.6)
     gms = known({"C": 1500.0}, C=NOT_IDENTIFIABLE)
     assert taken(gms, law="gms")["C"] == 15000.0
+    ratio = known({"z_ba": 0.7}, z_ba=NOT_IDENTIFIABLE)
+    assert taken(ratio, law="elasto_plastic")["z_ba"] == 0.7
 
 
 @pytest.mark.parametrize("level", LEVELS)
