@@ -254,7 +254,7 @@ def deflections(
 
 
 def hidden_deflections(encoder_step: float, n: int, longest: float = 1.0) -> tuple[float, ...]:
-    """Return n presliding deflections [m] that an encoder with this step [m] hardly shows."""
+    """Return n presliding deflections [m], up to ``longest`` times what encoder steps [m] hide."""
     ends = harm.HIDDEN * encoder_step, longest * harm.RESOLVED * encoder_step
     return tuple(np.geomspace(*ends, n).tolist())
 
