@@ -182,7 +182,9 @@ def stiffest(step):
 def assumed_limit():
     """Return the largest force of a motor whose limit is not known, over that in the log."""
     log = SimpleNamespace(recording=DRIVE, force_limit=None)
-    return compensator_trial.datasheet_of(log, np.array([1.0, -2.0]), 0.1, 0.0).peak_force / 2.0
+    figures = SimpleNamespace(measured=np.array([1.0, -2.0]))
+    learned = SimpleNamespace(figures=figures, recording=DRIVE, controller=None)
+    return compensator_trial.datasheet_of(log, learned, 0.1, 0.0).peak_force / 2.0
 
 
 def is_at_rest(swing, reversals):

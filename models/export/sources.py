@@ -212,9 +212,10 @@ def shared_files(model: Model) -> list[Path]:
     if model.law is not None:
         files += [*(MODELS / "laws").glob("*.h"), *model.law.folder.glob("*.[ch]")]
         if model.folder.parent.name == "plants":
-            own = model.law.folder / "motion.c"
-            general = MODELS / "plants" / "midpoint.c"
-            files += [MODELS / "plants" / "motion.h", *([] if own.exists() else [general])]
+            own, plants = model.law.folder / "motion.c", MODELS / "plants"
+            needs = own.read_text(encoding="utf-8") if own.exists() else ""
+            files += [plants / "motion.h", *([] if needs else [plants / "midpoint.c"])]
+            files += [plants / "rodas3.h"] if "plants/rodas3.h" in needs else []
         else:
             files = [path for path in files if path.name != "motion.c"]
     return sorted(files)

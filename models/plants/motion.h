@@ -1,7 +1,7 @@
 /* A mass on a contact: m dv/dt + b v + F_f = u, dx/dt = v, with F_f of a friction law.
  *
  * midpoint.c solves it for any law whose force is a function of v and the law's states. A law that
- * needs another method brings its own motion.c.
+ * needs another method brings its own motion.c; that of a law with one bristle is in rodas3.h.
  */
 #ifndef MOTION_H
 #define MOTION_H

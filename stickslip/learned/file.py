@@ -284,16 +284,18 @@ class LearnedFile:
     @property
     def datasheet(self) -> Datasheet:
         """Motor and encoder; the paper's by default."""
-        entry = self._entry("datasheet") or {}
+        entry = self._entry("datasheet")
+        if entry is None:
+            return Datasheet()
         if not set(entry) <= set(DATASHEET) or not all(
-            value > 0.0 or (name in ("tau_i", "encoder_noise") and value == 0.0)
+            value > 0.0 or (value == 0.0 and name in ("tau_i", "encoder_noise", "force_noise"))
             for name, value in entry.items()
         ):
             raise UsageError(
                 f"{self.path}: datasheet: expected {', '.join(DATASHEET)}, each above 0; "
                 f"got {entry}"
             )
-        return Datasheet(**entry)
+        return Datasheet(**{"force_noise": 0.0, **entry})
 
     def _drive(self, entry: Mapping[str, Any]) -> Drive:
         """Return an entry of ``family``."""

@@ -183,9 +183,9 @@ def open_rig(path: Path | str, law: str = "lugre") -> tuple[Rig, Limits]:
     path = Path(path)
     content = read_toml(path)
     try:
-        sheet = Datasheet(
-            **_section(content, "datasheet", Datasheet, ("mass", "peak_force", "encoder_step"))
-        )
+        needed = ("mass", "peak_force", "encoder_step")
+        given_sheet = _section(content, "datasheet", Datasheet, needed)
+        sheet = Datasheet(**{"force_noise": 0.0, **given_sheet})
         limits = RigLimits(**_section(content, "limits", RigLimits, RigLimits.__annotations__))
         experiment = Limits(**_section(content, "experiment", Limits, ()))
         name, rig = _kind(content)

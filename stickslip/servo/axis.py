@@ -168,7 +168,7 @@ class Datasheet:
     peak_force: float = field(default=205.0, metadata=entry("N"))
     tau_i: float = field(default=1e-4, metadata=entry("s"))
     encoder_step: float = field(default=4e-7, metadata=entry("m"))
-    force_noise: float = field(default=0.05, metadata=entry(stored=False))
+    force_noise: float = field(default=0.05, metadata=entry("N"))
     encoder_noise: float = field(default=0.0, metadata=entry("m"))
 
     def __post_init__(self) -> None:

@@ -619,9 +619,9 @@ class LoopRuns(ExitStack):
     ) -> None:
         super().__init__()
         self._bench, self._loop, self._chain, self._record = bench, loop, chain, record
-        noise = bench.datasheet.encoder_noise
-        optics = {"noise": noise > 0.0, "noise_x": noise, "noise_F": 0.0}
-        self._axis = {**axis_values(loop, bench.datasheet), **optics}
+        sheet = bench.datasheet
+        noise = {"noise_x": sheet.encoder_noise, "noise_F": sheet.force_noise}
+        self._axis = {**axis_values(loop, sheet), "noise": any(noise.values()), **noise}
         self.inputs = bench.own_inputs if loop is bench.loop else bench.inputs(loop)
         self.speed = max(command.speed for command in bench.commands)
         self._runs: dict[str, Runs] = {}  # by law of the drive

@@ -313,8 +313,8 @@ class _Candidates(ExitStack):
             (other,) = self.bench.benefits([shared], shares=(1.0,))
             full = one.full if one.variant.has_feedforward else other.rows
             found = replace(one, rows=other.rows, beyond=other.beyond, full=full, swept=swept)
-            if found.acceptable and found.mean_ratio <= offer.GAIN:
-                return found
+            if found.acceptable:  # those that follow take less of the error
+                return found if found.mean_ratio <= offer.GAIN else None
         return None
 
     def _later(self, benefit: Benefit) -> Iterator[Benefit]:

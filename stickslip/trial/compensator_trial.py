@@ -13,6 +13,7 @@ from scipy.stats import qmc
 from stickslip.catalog.parameters import ParameterSpace, friction_law, presliding
 from stickslip.cosim import Trapezoid
 from stickslip.evaluation.motions import VALIDATION
+from stickslip.identification.criteria.controller_check import force_noise
 from stickslip.identification.criteria.motion import encoder_noise, position_of
 from stickslip.identification.estimation import Estimation, LearnSettings
 from stickslip.identification.fitting.identifiability import IDENTIFIABLE, bounded_by
@@ -91,15 +92,16 @@ SLOW = 50.0
 sampling rate."""
 
 
-def datasheet_of(reading: Reading, force: Array, top: float, tau_i: float) -> Datasheet:
-    """Return what is known of the motor of a log with a force (n,) [N] and a top speed [m/s]."""
-    recording = reading.recording
+def datasheet_of(reading: Reading, estimation: Estimation, top: float, tau_i: float) -> Datasheet:
+    """Return what is known of the motor of a log with a top speed [m/s]."""
+    recording, force = reading.recording, estimation.figures.measured
     step = recording.encoder_step or 1e-6 * top
     return Datasheet(
         peak_force=reading.force_limit or harm.LIMIT * float(np.max(np.abs(force))),
         tau_i=tau_i,
         encoder_step=step,
         encoder_noise=encoder_noise(position_of(recording), step),
+        force_noise=force_noise(estimation.recording.force, estimation.controller),
     )
 
 
@@ -117,7 +119,7 @@ def try_compensator(
     """
     top = float(np.quantile(np.abs(estimation.figures.velocity_recorded), 0.99))
     command = trapezoid_of(estimation.figures.velocity_recorded, top, estimation.recording.T_s)
-    sheet = datasheet_of(reading, estimation.figures.measured, top, loop.axis.tau_i)
+    sheet = datasheet_of(reading, estimation, top, loop.axis.tau_i)
     step = sheet.encoder_step
     law, friction = estimation.law, estimation.compensator
     known = known_friction(estimation, top, settings.friction_range)

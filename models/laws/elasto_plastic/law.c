@@ -1,4 +1,4 @@
-#include "laws/law.h"
+#include "laws/elasto_plastic/elasto_plastic.h"
 
 #include "laws/stribeck.h"
 
@@ -120,15 +120,27 @@ static double travel(double y, double rho, double *r) {
     return area;
 }
 
-/* dz/dt [m/s] */
-static double stretching(double v, double z, const Law *p) {
-    const double G = g(v, p), r = (v < 0.0 ? -z : z) * p->sigma_0 / G;
+double elasto_plastic_dz(double v, double side, double z, double scale, const Law *p, double *by_v,
+                         double *by_z) {
+    const double G = g(v, p), rho = break_away(G, p);
+    const double per_reach = p->sigma_0 / (scale * G), r = side * z * per_reach;
     double slope;
-    return v * (1.0 - slipping(r, break_away(G, p), &slope) * r);
+    const double alpha = slipping(r, rho, &slope), share = 1.0 - alpha * r;
+    const double steepness = stribeck_slope(v, p->F_s, p->F_c, p->v_s, p->delta) / G;
+    const double by_g = -slope * (r - rho) / (1.0 - rho); /* g dalpha/dg */
+    *by_v = share + steepness * r * (alpha - by_g);
+    *by_z = -(alpha + slope * r) * per_reach * absolute(v);
+    return v * share;
+}
+
+/* dz/dt [m/s] */
+static double stretching(double v, const LawState *s, const Law *p) {
+    double by_v, by_z;
+    return elasto_plastic_dz(v, side_of(v), s->z, 1.0, p, &by_v, &by_z);
 }
 
 double law_force(double v, const LawState *s, const Law *p) {
-    return p->sigma_0 * s->z + p->sigma_1 * stretching(v, s->z, p);
+    return p->sigma_0 * s->z + p->sigma_1 * stretching(v, s, p);
 }
 
 double law_step(double h, double v, LawState *s, const Law *p) {
@@ -144,21 +156,15 @@ double law_step(double h, double v, LawState *s, const Law *p) {
 }
 
 void law_rate(double v, const LawState *s, const Law *p, LawRate *rate) {
-    rate->z = stretching(v, s->z, p);
+    rate->z = stretching(v, s, p);
 }
 
 void law_jacobian(double v, const LawState *s, const Law *p, LawJacobian *J) {
-    const double G = g(v, p), rho = break_away(G, p), per_reach = p->sigma_0 / G;
-    const double steepness = stribeck_slope(v, p->F_s, p->F_c, p->v_s, p->delta) / G;
-    const double sign = v != 0.0 ? (v < 0.0 ? -1.0 : 1.0) : (s->z < 0.0 ? -1.0 : 1.0);
-    const double r = sign * s->z * per_reach;
-    double slope;
-    const double alpha = slipping(r, rho, &slope);
-    const double by_g = -slope * (r - rho) / (1.0 - rho); /* g dalpha/dg */
-    const double by_v = 1.0 - alpha * r + steepness * r * (alpha - by_g);
+    const double side = v != 0.0 ? side_of(v) : side_of(s->z);
+    double by_v;
+    elasto_plastic_dz(v, side, s->z, 1.0, p, &by_v, &J->z.z);
     /* At rest the side of the deflection slips, and the other one is elastic. */
     J->z.v = v != 0.0 ? by_v : 0.5 * (by_v + 1.0);
-    J->z.z = -(alpha + slope * r) * per_reach * absolute(v);
     J->F.v = p->sigma_1 * J->z.v;
     J->F.z = p->sigma_0 + p->sigma_1 * J->z.z;
 }

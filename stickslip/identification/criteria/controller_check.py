@@ -9,7 +9,12 @@ import numpy as np
 
 from stickslip import cosim
 from stickslip.identification.criteria.known_loop import NO_LIMIT, initial_state, memory_force
-from stickslip.identification.criteria.motion import against_motion, position_of, recording_scale
+from stickslip.identification.criteria.motion import (
+    against_motion,
+    position_of,
+    recording_scale,
+    white_noise,
+)
 from stickslip.identification.criteria.runs import candidate_fmus
 from stickslip.logs import Finding, Reading, Recording, aligned, samples_late
 from stickslip.logs.checks import REMOVED
@@ -186,6 +191,16 @@ def check_controller(
             best = min(limited, key=lambda check: check.error)
             check = best if best.error <= control_match.EXACT else check
     return replace(check, factor=_factor(force, T_s, check))
+
+
+def force_noise(force: Array | None, check: ControllerCheck | None) -> float:
+    """Return the standard deviation of a logged force (n,) about the one commanded [N].
+
+    0 where the controller is not known: its gains make noise as well.
+    """
+    if force is None or check is None or not check.error <= control_match.EXACT:
+        return 0.0
+    return white_noise(force[check.shift :] - check.force[: len(force) - check.shift])
 
 
 def check_reading(reading: Reading) -> ControllerCheck | None:

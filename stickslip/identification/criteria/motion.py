@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.catalog.parameters import force_and_length_of
 from stickslip.errors import UsageError
@@ -14,7 +15,8 @@ from stickslip.servo.measurement import Array, derivative, smoothed
 SHARE = 1.0 / 16.0  # cut-off of the low-pass, as a share of the rate of the rows
 LONGEST = 1 << 6  # largest number of samples in a row
 _PASSED = 0.2  # integral of f^4 |H|^4 over f from 0, in cut-offs; H is of second order
-_FEW = 200  # samples in motion that are too few to show the noise of an encoder
+_FEW = 200  # samples that are too few to show noise
+_ORDER = 6  # of the differences that show it
 _MEDIAN = 0.6745  # median of the absolute value of normal noise, over its standard deviation
 
 
@@ -45,16 +47,23 @@ def position_noise(position: Array, step: float) -> float:
 def encoder_noise(position: Array, step: float) -> float:
     """Return the standard deviation [m] of the noise on a position (n,) [m], beside its steps.
 
-    It is the median of high differences where the drive moves a step a sample, in which even
-    motion at few samples per second vanishes. At rest the steps hide the noise.
+    It shows where the drive moves a step a sample. At rest the steps hide the noise.
     """
-    order = 6  # of the differences
-    high = np.abs(np.diff(position, order))
-    high = high[np.abs(position[order:] - position[:-order]) > order * step]
+    moving = np.abs(position[_ORDER:] - position[:-_ORDER]) > _ORDER * step
+    deviation = white_noise(position, moving)
+    return math.sqrt(max(deviation**2 - step**2 / 12.0, 0.0))
+
+
+def white_noise(signal: Array, used: slice | NDArray[np.bool_] = slice(None)) -> float:
+    """Return the standard deviation of the noise on a signal (n,), 0 where that is too short.
+
+    It is the median of high differences (n - 6,), of those that are used, in which what is slower
+    than a few samples vanishes.
+    """
+    high = np.abs(np.diff(signal, _ORDER))[used]
     if len(high) < _FEW:
         return 0.0
-    deviation = float(np.median(high)) / (_MEDIAN * math.sqrt(math.comb(2 * order, order)))
-    return math.sqrt(max(deviation**2 - step**2 / 12.0, 0.0))
+    return float(np.median(high)) / (_MEDIAN * math.sqrt(math.comb(2 * _ORDER, _ORDER)))
 
 
 def means(signal: Array, q: int) -> Array:

@@ -7,7 +7,12 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from stickslip.identification.criteria.controller_check import check_controller, in_time, with_force
+from stickslip.identification.criteria.controller_check import (
+    check_controller,
+    force_noise,
+    in_time,
+    with_force,
+)
 from stickslip.identification.criteria.known_loop import KnownLoop, fmu_gains
 from stickslip.identification.estimation import LearnSettings
 from stickslip.logs import Controller, Finding, Reading, Recording, check_recording, samples_late
@@ -74,6 +79,19 @@ def test_the_form_is_found(candidates, motion, integral, low_pass):
     assert check.error < 1e-9
     last = slice(-1)  # is held, not computed
     np.testing.assert_allclose(check.force[last], force[last], atol=1e-9 * np.abs(force).max())
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.03, 0.3])
+def test_noise_of_the_force_is_told_from_the_controller(candidates, motion, noise):
+    """Its answer to the position has higher frequencies. A wrong controller shows no noise."""
+    sent = commanded(motion, 1.0, WEIGHTS[""])
+    late = np.concatenate([sent[:1], sent[:-1]])
+    measured = late + np.random.default_rng(5).normal(0.0, noise, len(sent))
+    check = checked(candidates, motion, measured)
+    assert check.shift == 1
+    assert force_noise(measured, check) == pytest.approx(noise, rel=0.05, abs=1e-9)
+    assert force_noise(1.1 * measured, checked(candidates, motion, 1.1 * measured)) == 0.0
+    assert force_noise(measured, None) == 0.0
 
 
 @pytest.mark.parametrize("shift", [0, 2])

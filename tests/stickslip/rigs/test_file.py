@@ -69,7 +69,8 @@ def test_a_file_gives_the_rig_its_limits_and_the_experiment(fmus, described):
     with served(fmus) as (_, port):
         rig, limits = ss.open_rig(described(port))
         with rig:
-            assert rig.datasheet == ss.Datasheet(mass=5.5, peak_force=205.0, encoder_step=4e-7)
+            expected = ss.Datasheet(5.5, 205.0, encoder_step=4e-7, force_noise=0.0)
+            assert rig.datasheet == expected
             assert limits == ss.Limits(stroke=0.05)
             assert len(rig.run(command_of(rig)).t) == 450
             with pytest.raises(LimitError, match=r"force 150 N; expected at most 120 N"):

@@ -383,13 +383,20 @@ def test_a_law_without_presliding_is_tried_with_what_the_encoder_hides():
         assert {name: one[name] for name in rigid[0]} == rigid[0]
 
 
-def test_drives_of_the_family_have_the_noise_of_the_log(tmp_path):
-    """Behind noise on the encoder, an observer of its velocity leaves more of the error."""
-    observer = Variant("observer", (Compensator("it", "lugre_observer", {**TABLE_2, "k_e": 1.0}),))
+@pytest.mark.parametrize(
+    ("of", "noise", "model", "values"),
+    [
+        ("encoder_noise", 4e-7, "lugre_observer", {**TABLE_2, "k_e": 1.0}),
+        ("force_noise", 3.0, "momentum_observer", {"w_q": 1000.0, "m": 5.6, "b": 6.6}),
+    ],
+)
+def test_drives_of_the_family_have_the_noise_of_the_log(tmp_path, of, noise, model, values):
+    """Behind noise, an observer of the encoder's velocity or of the force leaves more."""
+    observer = Variant("observer", (Compensator("it", model, values),))
     slow = commands(QUICK, 5e-4, {**TABLE_2, "v_s": 1.3e-3})[2:3]
     ratios = []
-    for noise in (0.0, 4e-7):
-        sheet, folder = Datasheet(encoder_noise=noise), tmp_path / f"{noise}"
+    for size in (0.0, noise):
+        sheet, folder = Datasheet(**{"force_noise": 0.0, of: size}), tmp_path / f"{size}"
         own = [Drive("it", "lugre", TABLE_2)]
         [benefit] = Bench(folder, LUGRE, PAPER, own, slow, datasheet=sheet).benefits([observer])
         ratios.append(benefit.fitted_ratio)
@@ -409,7 +416,9 @@ def test_a_drive_of_another_size_is_tried_alike(tmp_path, force, length):
         gains = scale.values({"K_p": PAPER.K_p, "K_i": PAPER.K_i})
         loop = close_velocity_loop(axis, PAPER.T_s, PAPER.tau_f, **gains)
         friction = scale.values(TABLE_2)
-        sheet = Datasheet(peak_force=205.0 * force, encoder_step=4e-9 * length)
+        sheet = Datasheet(
+            peak_force=205.0 * force, encoder_step=4e-9 * length, force_noise=0.05 * force
+        )
         height, slope = QUICK.height * length, QUICK.slope * length
         tried = commands(replace(QUICK, height=height, slope=slope), 5e-4, friction, 4e-7)
         own, folder = [Drive("it", "lugre", friction)], tmp_path / f"{force}"

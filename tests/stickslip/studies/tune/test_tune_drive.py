@@ -43,7 +43,7 @@ from tests.stickslip.rigs.test_socket import served
 
 pytestmark = pytest.mark.slow
 
-AXIS, SHEET = Axis(5.557, 6.6135, 1e-4), Datasheet(peak_force=200.0)
+AXIS, SHEET = Axis(5.557, 6.6135, 1e-4), Datasheet(peak_force=200.0, force_noise=0.0)
 SLOW = close_velocity_loop(AXIS, 5e-4, 1e-3, 1000.0, 4e4)
 CASCADE = SLOW.changed(K_x=20.0)
 DESIGNED = design_observer(SLOW, SHEET.encoder_step, PAPER["F_c"])
