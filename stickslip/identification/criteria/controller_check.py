@@ -11,6 +11,7 @@ from stickslip import cosim
 from stickslip.identification.criteria.known_loop import NO_LIMIT, initial_state, memory_force
 from stickslip.identification.criteria.motion import (
     against_motion,
+    differences,
     position_of,
     recording_scale,
     white_noise,
@@ -196,11 +197,15 @@ def check_controller(
 def force_noise(force: Array | None, check: ControllerCheck | None) -> float:
     """Return the standard deviation of a logged force (n,) about the one commanded [N].
 
-    0 where the controller is not known: its gains make noise as well.
+    The log may show a mean of commands beside each other, as where the current lags. It is 0 where
+    the controller is not known: its gains make noise as well.
     """
     if force is None or check is None or not check.error <= control_match.EXACT:
         return 0.0
-    return white_noise(force[check.shift :] - check.force[: len(force) - check.shift])
+    known = slice(check.shift + 1, -2)  # without what rolls round, and the last one that is held
+    beside = np.column_stack([np.roll(check.force, check.shift + k)[known] for k in (-1, 0, 1)])
+    weights = np.linalg.lstsq(differences(beside), differences(force[known]), rcond=None)[0]
+    return white_noise(force[known] - beside @ weights)
 
 
 def check_reading(reading: Reading) -> ControllerCheck | None:

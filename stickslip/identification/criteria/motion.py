@@ -54,13 +54,17 @@ def encoder_noise(position: Array, step: float) -> float:
     return math.sqrt(max(deviation**2 - step**2 / 12.0, 0.0))
 
 
+def differences(signal: Array) -> Array:
+    """Return high differences (n - 6, ...) of signals (n, ...), in which slow ones vanish."""
+    return np.diff(signal, _ORDER, axis=0)
+
+
 def white_noise(signal: Array, used: slice | NDArray[np.bool_] = slice(None)) -> float:
     """Return the standard deviation of the noise on a signal (n,), 0 where that is too short.
 
-    It is the median of high differences (n - 6,), of those that are used, in which what is slower
-    than a few samples vanishes.
+    It is the median of high differences (n - 6,), of those that are used.
     """
-    high = np.abs(np.diff(signal, _ORDER))[used]
+    high = np.abs(differences(signal))[used]
     if len(high) < _FEW:
         return 0.0
     return float(np.median(high)) / (_MEDIAN * math.sqrt(math.comb(2 * _ORDER, _ORDER)))

@@ -22,6 +22,7 @@ from stickslip.logs.plausibility import DIFFER
 from stickslip.logs.units import unit_named
 from stickslip.studies.learn import learned
 from stickslip.studies.learn.controller_findings import check_description
+from stickslip.thresholds import control_match
 from tests.stickslip.identification import drives
 
 T_S = 5e-4
@@ -81,15 +82,17 @@ def test_the_form_is_found(candidates, motion, integral, low_pass):
     np.testing.assert_allclose(check.force[last], force[last], atol=1e-9 * np.abs(force).max())
 
 
+@pytest.mark.parametrize("lag", [1.0, 0.7])
 @pytest.mark.parametrize("noise", [0.0, 0.03, 0.3])
-def test_noise_of_the_force_is_told_from_the_controller(candidates, motion, noise):
-    """Its answer to the position has higher frequencies. A wrong controller shows no noise."""
+def test_noise_of_the_force_is_told_from_the_controller(candidates, motion, noise, lag):
+    """Also where the current lags. A wrong controller shows no noise."""
     sent = commanded(motion, 1.0, WEIGHTS[""])
-    late = np.concatenate([sent[:1], sent[:-1]])
+    late = lag * np.concatenate([sent[:1], sent[:-1]]) + (1.0 - lag) * sent
     measured = late + np.random.default_rng(5).normal(0.0, noise, len(sent))
     check = checked(candidates, motion, measured)
     assert check.shift == 1
-    assert force_noise(measured, check) == pytest.approx(noise, rel=0.05, abs=1e-9)
+    assert check.error < control_match.EXACT
+    assert force_noise(measured, check) == pytest.approx(noise, rel=0.05, abs=1e-8)
     assert force_noise(1.1 * measured, checked(candidates, motion, 1.1 * measured)) == 0.0
     assert force_noise(measured, None) == 0.0
 
