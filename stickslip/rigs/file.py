@@ -184,8 +184,8 @@ def open_rig(path: Path | str, law: str = "lugre") -> tuple[Rig, Limits]:
     content = read_toml(path)
     try:
         needed = ("mass", "peak_force", "encoder_step")
-        given_sheet = _section(content, "datasheet", Datasheet, needed)
-        sheet = Datasheet(**{"force_noise": 0.0, **given_sheet})
+        stated = _section(content, "datasheet", Datasheet, needed)
+        sheet = Datasheet(**{"force_noise": 0.0, **stated})
         limits = RigLimits(**_section(content, "limits", RigLimits, RigLimits.__annotations__))
         experiment = Limits(**_section(content, "experiment", Limits, ()))
         name, rig = _kind(content)

@@ -76,6 +76,7 @@ def _time_constant(low_pass: str, tau_f: float, T_s: float) -> float:
 
 SHARE = 1.0 / 50.0  # cut-off of the low-pass over the sample rate: noise is no disagreement
 SHIFTS = range(5)  # samples by which the logged force may be older than the command
+USUAL = 0.99  # share of the samples that are not where one log ends and another begins
 LIMITED = "limit of the force as the log shows it"
 LEVELS = (0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995, 0.999, 1.0)
 """Quantiles of the force that are tried as its limit."""
@@ -204,7 +205,9 @@ def force_noise(force: Array | None, check: ControllerCheck | None) -> float:
         return 0.0
     known = slice(check.shift + 1, -2)  # without what rolls round, and the last one that is held
     beside = np.column_stack([np.roll(check.force, check.shift + k)[known] for k in (-1, 0, 1)])
-    weights = np.linalg.lstsq(differences(beside), differences(force[known]), rcond=None)[0]
+    fast, shown = differences(beside), differences(force[known])
+    usual = (np.abs(fast) <= np.quantile(np.abs(fast), USUAL, axis=0)).all(axis=1)
+    weights = np.linalg.lstsq(fast[usual], shown[usual], rcond=None)[0]
     return white_noise(force[known] - beside @ weights)
 
 

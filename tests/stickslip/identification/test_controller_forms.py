@@ -93,6 +93,9 @@ def test_noise_of_the_force_is_told_from_the_controller(candidates, motion, nois
     assert check.shift == 1
     assert check.error < control_match.EXACT
     assert force_noise(measured, check) == pytest.approx(noise, rel=0.05, abs=1e-8)
+    two = replace(check, force=np.concatenate([check.force, 500.0 + check.force]))
+    joined = np.concatenate([measured, 500.0 + measured])
+    assert force_noise(joined, two) == pytest.approx(noise, rel=0.05, abs=1e-6)
     assert force_noise(1.1 * measured, checked(candidates, motion, 1.1 * measured)) == 0.0
     assert force_noise(measured, None) == 0.0
 

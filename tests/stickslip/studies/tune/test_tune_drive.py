@@ -192,6 +192,20 @@ class Heard(Progress):
         self.steps[[*self.steps][-1]] = of
 
 
+def test_noise_of_the_motor_force_is_that_of_the_file(learned):
+    """A file that states none has none; one without a data sheet is of the paper's stage."""
+    path = learned()
+    document = json.loads(path.read_text())
+    for sheet, noise in (
+        ({**document["datasheet"], "force_noise": {"value": 0.3, "unit": "N"}}, 0.3),
+        ({"encoder_step": {"value": 1e-6, "unit": "m"}}, 0.0),
+        (None, 0.05),
+    ):
+        own = {name: one for name, one in document.items() if name != "datasheet"}
+        path.write_text(json.dumps(own | ({"datasheet": sheet} if sheet else {})))
+        assert LearnedFile(path).datasheet.force_noise == noise
+
+
 def test_no_motion_gets_worse_and_what_is_fixed_stays_to_the_bit(learned):
     file = LearnedFile(learned())
     fixed = ("controller.K_i", "observer")
